@@ -1,0 +1,432 @@
+"""The backhoe in numbers: geometry, masses, limits, tracks and bucket, each once.
+
+Everything else reads them from here: kinematics, dynamics, the URDF, the pictures, the lessons.
+SI units and radians. Reference: Mastalli 2013, Tables A.1 and A.2, in the reading in which the stick
+hangs at q3 = 0 (lesson 02 shows why); what the thesis leaves out is our choice. `provenance` gives
+the symbol, unit and source of every number.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import cached_property
+from math import isfinite, pi, radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "BACKHOE",
+    "JOINTS",
+    "Base",
+    "Joint",
+    "Link",
+    "Machine",
+    "Shell",
+    "Swing",
+    "Tracks",
+    "provenance",
+    "replace",
+]
+
+JOINTS = ("swing", "boom", "stick", "bucket")
+
+
+def _require(owner: object, positive: tuple[str, ...] = (), any_sign: tuple[str, ...] = ()) -> None:
+    for name in positive + any_sign:
+        value = getattr(owner, name)
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
+            raise ValueError(f"{type(owner).__name__}.{name} must be a finite number, got {value!r}")
+        if name in positive and value <= 0:
+            raise ValueError(f"{type(owner).__name__}.{name} must be positive, got {value!r}")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """What one joint can do: range [rad], speed [rad/s], torque [N m] and friction.
+
+    Friction is `viscous` [N m s/rad] and `coulomb` [N m], the F_v and F_s of eq. (2.11).
+
+    Raises:
+        ValueError: a value is not finite, a limit is not positive, or lower is not below upper.
+    """
+
+    lower: float
+    upper: float
+    speed: float
+    torque: float
+    viscous: float
+    coulomb: float
+
+    def __post_init__(self) -> None:
+        _require(self, ("speed", "torque"), ("lower", "upper", "viscous", "coulomb"))
+        if self.lower >= self.upper:
+            raise ValueError(
+                f"Joint.lower must be below Joint.upper, got {self.lower!r} and {self.upper!r} rad"
+            )
+        if min(self.viscous, self.coulomb) < 0:
+            raise ValueError("Joint friction must not be negative: it would drive the joint")
+
+
+@dataclass(frozen=True)
+class Base:
+    """Row 0 of Table A.1: from the ground between the tracks to the swing axis [m]."""
+
+    height: float
+    offset: float
+
+    def __post_init__(self) -> None:
+        _require(self, any_sign=("height", "offset"))
+
+
+@dataclass(frozen=True)
+class Swing:
+    """The house on its swing ring: row 1 of Table A.1 and the mass properties of the turret.
+
+    Lengths in m, mass in kg, inertia about the vertical in kg m^2; the centre of mass lies at
+    `com_radius` from the swing axis, `com_angle` [rad] from the arm's direction, `com_height` above
+    the swing ring.
+
+    Raises:
+        ValueError: a value is not finite, or a mass or inertia is not positive.
+    """
+
+    height: float
+    offset: float
+    mass: float
+    com_radius: float
+    com_angle: float
+    com_height: float
+    inertia: float
+    joint: Joint
+
+    def __post_init__(self) -> None:
+        _require(
+            self,
+            ("mass", "inertia"),
+            ("height", "offset", "com_radius", "com_angle", "com_height"),
+        )
+
+
+@dataclass(frozen=True)
+class Link:
+    """Boom, stick or bucket: a row of Table A.1 and its mass properties from Table A.2.
+
+    `length` [m] joint to joint; `angle_offset` [rad] with q* = q + angle_offset; the centre of mass
+    at `com_radius` [m] from the joint in direction q + `com_angle` [rad]; `mass` [kg]; `inertia`
+    [kg m^2] about every axis through the centre of mass.
+
+    Raises:
+        ValueError: a value is not finite, or a length, mass or inertia is not positive.
+    """
+
+    length: float
+    angle_offset: float
+    mass: float
+    com_radius: float
+    com_angle: float
+    inertia: float
+    joint: Joint
+
+    def __post_init__(self) -> None:
+        _require(
+            self, ("length", "mass", "inertia"), ("angle_offset", "com_radius", "com_angle")
+        )
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """Undercarriage: two tracks `gauge` apart [m], each `length` x `shoe_width` on the ground [m].
+
+    `mass` [kg] of the undercarriage alone, `max_speed` [m/s] and `acceleration` [m/s^2] of the
+    belts, Coulomb friction coefficients of track on soil along and across the belt.
+
+    Raises:
+        ValueError: a value is not finite and positive.
+    """
+
+    gauge: float
+    length: float
+    shoe_width: float
+    height: float
+    sprocket_radius: float
+    max_speed: float
+    acceleration: float
+    mass: float
+    friction_longitudinal: float
+    friction_lateral: float
+
+    def __post_init__(self) -> None:
+        _require(self, tuple(field.name for field in fields(self)))
+
+
+@dataclass(frozen=True)
+class Shell:
+    """The bucket's inside: a profile swept over the width.
+
+    `profile` lists (x, y) points [m] in the frame of the bucket's tip (x from the pin through the
+    teeth, y towards the back plate), from the teeth along the floor and back to the top lip; the
+    mouth closes it. `width` and `plate` (thickness) in m.
+
+    Raises:
+        ValueError: width or plate not positive, fewer than 3 points, or a profile without area.
+    """
+
+    width: float
+    plate: float
+    profile: tuple[tuple[float, float], ...]
+
+    def __post_init__(self) -> None:
+        _require(self, ("width", "plate"))
+        points = np.asarray(self.profile, dtype=float)
+        if points.ndim != 2 or points.shape[0] < 3 or points.shape[1] != 2:
+            raise ValueError(f"Shell.profile must be at least 3 (x, y) points, got shape {points.shape}")
+        if not np.isfinite(points).all():
+            raise ValueError("Shell.profile must be finite")
+        if self.section_area <= 0:
+            raise ValueError("Shell.profile must enclose an area, teeth first, then the floor")
+
+    @cached_property
+    def section_area(self) -> float:
+        """Area inside the profile, closed by the mouth [m^2]."""
+        x, y = np.asarray(self.profile, dtype=float).T
+        return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)
+
+    @property
+    def struck_capacity(self) -> float:
+        """Volume held when filled level with the mouth [m^3]."""
+        return self.section_area * self.width
+
+
+@dataclass(frozen=True)
+class Machine:
+    """One tracked backhoe; make a variant with `replace(BACKHOE, stick=replace(...))`."""
+
+    base: Base
+    swing: Swing
+    boom: Link
+    stick: Link
+    bucket: Link
+    tracks: Tracks
+    shell: Shell
+    gravity: float
+
+    def __post_init__(self) -> None:
+        _require(self, any_sign=("gravity",))
+
+    @property
+    def links(self) -> tuple[Link, Link, Link]:
+        """Boom, stick and bucket."""
+        return (self.boom, self.stick, self.bucket)
+
+    @property
+    def joints(self) -> tuple[Joint, Joint, Joint, Joint]:
+        """The four joints in the order of `JOINTS`."""
+        return (self.swing.joint, self.boom.joint, self.stick.joint, self.bucket.joint)
+
+    def joint(self, name: str) -> Joint:
+        """The joint called `name`.
+
+        Raises:
+            ValueError: there is no joint of that name.
+        """
+        if name not in JOINTS:
+            raise ValueError(f"unknown joint {name!r}: the joints are {', '.join(JOINTS)}")
+        return self.joints[JOINTS.index(name)]
+
+    @cached_property
+    def lower(self) -> NDArray:
+        """Lower joint limits, shape (4,) [rad]."""
+        return self._of_joints("lower")
+
+    @cached_property
+    def upper(self) -> NDArray:
+        """Upper joint limits, shape (4,) [rad]."""
+        return self._of_joints("upper")
+
+    @cached_property
+    def speed_limit(self) -> NDArray:
+        """Largest joint speeds, shape (4,) [rad/s]."""
+        return self._of_joints("speed")
+
+    @cached_property
+    def torque_limit(self) -> NDArray:
+        """Largest joint torques, shape (4,) [N m]."""
+        return self._of_joints("torque")
+
+    @cached_property
+    def viscous(self) -> NDArray:
+        """Viscous friction coefficients, shape (4,) [N m s/rad]."""
+        return self._of_joints("viscous")
+
+    @cached_property
+    def coulomb(self) -> NDArray:
+        """Coulomb friction torques, shape (4,) [N m]."""
+        return self._of_joints("coulomb")
+
+    def _of_joints(self, name: str) -> NDArray:
+        values = np.array([getattr(joint, name) for joint in self.joints])
+        values.flags.writeable = False
+        return values
+
+    @property
+    def mass(self) -> float:
+        """Mass of the whole machine [kg]."""
+        return self.tracks.mass + self.swing.mass + sum(link.mass for link in self.links)
+
+
+BACKHOE = Machine(
+    base=Base(height=1.1811, offset=0.4),
+    swing=Swing(
+        height=0.2756,
+        offset=0.6241,
+        mass=7018.4,
+        com_radius=0.0982,
+        com_angle=pi,
+        com_height=0.6,
+        inertia=10693.4,
+        joint=Joint(-pi, pi, speed=1.1, torque=80e3, viscous=2000.0, coulomb=1500.0),
+    ),
+    boom=Link(
+        length=5.1243,
+        angle_offset=radians(13.1),
+        mass=4293.5,
+        com_radius=1.9204,
+        com_angle=radians(26.7),
+        inertia=11704.6,
+        joint=Joint(
+            radians(-50), radians(60), speed=0.7, torque=420e3, viscous=8000.0, coulomb=4000.0
+        ),
+    ),
+    stick=Link(
+        length=1.9129,
+        angle_offset=-radians(88.1),
+        mass=1151.2,
+        com_radius=0.7281,
+        com_angle=-radians(86.2),
+        inertia=921.0,
+        joint=Joint(
+            radians(-60), radians(60), speed=1.0, torque=220e3, viscous=3000.0, coulomb=2000.0
+        ),
+    ),
+    bucket=Link(
+        length=1.484,
+        angle_offset=-radians(104.1),
+        mass=531.5,
+        com_radius=0.8348,
+        com_angle=-radians(78.6),
+        inertia=130.7,
+        joint=Joint(
+            radians(-40), radians(120), speed=1.5, torque=130e3, viscous=1000.0, coulomb=800.0
+        ),
+    ),
+    tracks=Tracks(
+        gauge=2.0,
+        length=2.9,
+        shoe_width=0.5,
+        height=0.85,
+        sprocket_radius=0.35,
+        max_speed=1.5,
+        acceleration=1.0,
+        mass=4500.0,
+        friction_longitudinal=0.8,
+        friction_lateral=0.6,
+    ),
+    shell=Shell(
+        width=1.2,
+        plate=0.025,
+        profile=(
+            (0.0, 0.0),
+            (-0.30, 0.22),
+            (-0.62, 0.46),
+            (-0.90, 0.56),
+            (-1.16, 0.48),
+            (-1.30, 0.28),
+            (-1.34, 0.05),
+        ),
+    ),
+    gravity=9.81,
+)
+
+_TABLE_A1 = "Mastalli 2013, Table A.1"
+_TABLE_A2 = "Mastalli 2013, Table A.2"
+_HANG = "Mastalli 2013, Table A.2, with the sign under which the stick hangs at zero (lesson 02)"
+_LIMIT = "ours: usual for a 15 to 18 t excavator, and wider than the movements of the thesis"
+_FORCE = "ours: what the cylinders and swing motor of a 15 to 18 t excavator give, on mean lever arms"
+_FRICTION = "ours: the thesis gives no friction; a few per cent of the torque limit"
+_TRACK = "ours: the thesis gives no tracks; a 15 to 18 t undercarriage"
+_ISOTROPIC = _TABLE_A2 + ", taken as the same about every axis (our choice)"
+
+_SOURCES = {
+    "base.height": ("L0", "m", _TABLE_A2),
+    "base.offset": ("b0", "m", _TABLE_A2),
+    "swing.height": ("L1", "m", _TABLE_A2),
+    "swing.offset": ("b1", "m", _TABLE_A2),
+    "swing.mass": ("m_t", "kg", _TABLE_A2),
+    "swing.com_radius": ("b_cm1", "m", _TABLE_A2),
+    "swing.com_angle": ("theta_cm1", "rad", "ours: behind the axis, where the counterweight is"),
+    "swing.com_height": ("", "m", "ours: does not enter the motion of the arm"),
+    "swing.inertia": ("I_t", "kg m^2", _ISOTROPIC),
+    "boom.length": ("L2", "m", _TABLE_A2),
+    "boom.angle_offset": ("theta_2", "rad", _TABLE_A2),
+    "boom.mass": ("m_bo", "kg", _TABLE_A2),
+    "boom.com_radius": ("L_cm2", "m", _TABLE_A2),
+    "boom.com_angle": ("theta_cm2", "rad", _TABLE_A2),
+    "boom.inertia": ("I_bo", "kg m^2", _ISOTROPIC),
+    "stick.length": ("L3", "m", _TABLE_A2),
+    "stick.angle_offset": ("-theta_3", "rad", _HANG),
+    "stick.mass": ("m_s", "kg", _TABLE_A2),
+    "stick.com_radius": ("L_cm3", "m", _TABLE_A2),
+    "stick.com_angle": ("-theta_cm3", "rad", _HANG),
+    "stick.inertia": ("I_s", "kg m^2", _ISOTROPIC),
+    "bucket.length": ("L4", "m", _TABLE_A2),
+    "bucket.angle_offset": ("-theta_4", "rad", _HANG),
+    "bucket.mass": ("m_bu", "kg", _TABLE_A2),
+    "bucket.com_radius": ("L_cm4", "m", _TABLE_A2),
+    "bucket.com_angle": ("-theta_cm4", "rad", _HANG),
+    "bucket.inertia": ("I_bu", "kg m^2", _ISOTROPIC),
+    "tracks.gauge": ("l", "m", _TRACK),
+    "tracks.length": ("", "m", _TRACK),
+    "tracks.shoe_width": ("", "m", _TRACK),
+    "tracks.height": ("", "m", _TRACK),
+    "tracks.sprocket_radius": ("r", "m", _TRACK),
+    "tracks.max_speed": ("", "m/s", _TRACK),
+    "tracks.acceleration": ("", "m/s^2", _TRACK),
+    "tracks.mass": ("", "kg", _TRACK),
+    "tracks.friction_longitudinal": ("", "1", "ours: firm soil, Coulomb"),
+    "tracks.friction_lateral": ("", "1", "ours: firm soil, Coulomb"),
+    "shell.width": ("", "m", "ours: a general purpose bucket for this tip radius"),
+    "shell.plate": ("", "m", "ours: a general purpose bucket for this tip radius"),
+    "shell.profile": ("", "m", "ours: a curved floor between the teeth and the pin"),
+    "gravity": ("g", "m/s^2", "ours: the thesis does not print it"),
+}
+_SOURCES |= {
+    f"{link}.joint.{name}": ("", unit, source)
+    for link in JOINTS
+    for name, unit, source in (
+        ("lower", "rad", _LIMIT),
+        ("upper", "rad", _LIMIT),
+        ("speed", "rad/s", _LIMIT),
+        ("torque", "N m", _FORCE),
+        ("viscous", "N m s/rad", _FRICTION),
+        ("coulomb", "N m", _FRICTION),
+    )
+}
+
+
+def provenance(machine: Machine = BACKHOE) -> list[tuple[str, object, str, str, str]]:
+    """Every number of the machine with its origin.
+
+    Returns:
+        Rows (name, value, symbol, unit, source) in the order of the dataclasses; name is the path,
+        such as "boom.length".
+    """
+
+    def leaves(owner: object, path: str) -> list[tuple[str, object]]:
+        found = []
+        for field in fields(owner):
+            value, name = getattr(owner, field.name), path + field.name
+            found += leaves(value, name + ".") if is_dataclass(value) else [(name, value)]
+        return found
+
+    return [(name, value, *_SOURCES[name]) for name, value in leaves(machine, "")]

@@ -1,0 +1,91 @@
+"""Joint PID control: one proportional, integral and derivative gain for each joint.
+
+The law is eq. (3.1) of Mastalli 2013, tau = K_p e + K_i int e + K_d de/dt, with e = q_ref - q and the
+derivative taken from measured joint speeds. Lesson 03 derives the gains; those of `ARM_GAINS` are
+ours, chosen for the tour with `gravity_torque` added to the PID.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class Gains(NamedTuple):
+    """Gains of the four joints: kp [N m/rad], ki [N m/(rad s)], kd [N m s/rad], shape (4,) each."""
+
+    kp: tuple[float, ...]
+    ki: tuple[float, ...]
+    kd: tuple[float, ...]
+
+
+ARM_GAINS = Gains(
+    kp=(1.2e6, 1.5e6, 4.0e5, 1.2e5),
+    ki=(4.0e5, 8.0e5, 2.0e5, 6.0e4),
+    kd=(4.0e5, 3.0e5, 6.0e4, 1.5e4),
+)
+
+
+class PID:
+    """A PID for n joints whose integral stops while the torque is at its limit.
+
+    Args:
+        kp, ki, kd: gains, shape (n,) [N m/rad, N m/(rad s), N m s/rad].
+        torque_limit: largest torque of each joint, shape (n,) [N m], or None for no limit.
+
+    Raises:
+        ValueError: gains of different shape, negative, or not finite; a limit that is not positive.
+    """
+
+    def __init__(
+        self,
+        kp: ArrayLike,
+        ki: ArrayLike,
+        kd: ArrayLike,
+        torque_limit: ArrayLike | None = None,
+    ) -> None:
+        self.kp, self.ki, self.kd = (np.asarray(gain, dtype=float) for gain in (kp, ki, kd))
+        if self.kp.ndim != 1 or not (self.kp.shape == self.ki.shape == self.kd.shape):
+            raise ValueError(
+                "kp, ki and kd must be three vectors of one length, got shapes "
+                f"{self.kp.shape}, {self.ki.shape} and {self.kd.shape}"
+            )
+        for name in ("kp", "ki", "kd"):
+            gain = getattr(self, name)
+            if not (np.isfinite(gain).all() and (gain >= 0).all()):
+                raise ValueError(f"{name} must be finite and not negative, got {gain}")
+        unlimited = np.full_like(self.kp, np.inf)
+        self.torque_limit = unlimited if torque_limit is None else np.asarray(torque_limit, float)
+        if self.torque_limit.shape != self.kp.shape or not (self.torque_limit > 0).all():
+            raise ValueError(
+                f"torque_limit must be positive, one for each of {len(self.kp)} joints, "
+                f"got {torque_limit}"
+            )
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the integral of the error."""
+        self.integral = np.zeros_like(self.kp)
+
+    def __call__(
+        self, q_ref: NDArray, dq_ref: NDArray, q: NDArray, dq: NDArray, dt: float
+    ) -> NDArray:
+        """Torque for one sample.
+
+        Args:
+            q_ref, dq_ref: where the joints should be, shape (n,) [rad, rad/s].
+            q, dq: where they are, shape (n,) [rad, rad/s].
+            dt: time since the last call [s].
+
+        Returns:
+            Joint torques, shape (n,) [N m], within the torque limit.
+        """
+        error = q_ref - q
+        integral = self.integral + error * dt
+        wanted = self.kp * error + self.kd * (dq_ref - dq) + self.ki * integral
+        torque = np.minimum(np.maximum(wanted, -self.torque_limit), self.torque_limit)
+        pushes_outwards = (wanted != torque) & (wanted * error > 0)
+        self.integral = np.where(pushes_outwards, self.integral, integral)
+        return torque

@@ -1,0 +1,164 @@
+"""Where the arm can get to, how well it moves there, and where it cannot move at all."""
+
+from functools import lru_cache
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse, Rectangle
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.machine import BACKHOE, Machine
+from backhoe.plots.drawing import (
+    HEIGHT_LABEL,
+    draw_arm,
+    draw_from_above,
+    metre_ticks,
+    plane_points,
+    side_axes,
+)
+from backhoe.plots.style import BLUE, ORANGE, RED, STEEL, figure, styled
+
+CELL = 0.05
+
+
+@lru_cache(maxsize=8)
+def reachable(machine: Machine = BACKHOE, point: int = 3) -> NDArray:
+    """Cells of the arm's plane that a point of the arm can enter within the joint limits.
+
+    Args:
+        machine: numbers and limits.
+        point: 2 for the bucket's pin, 3 for its teeth.
+
+    Returns:
+        Cell centres, shape (n, 2): distance from the swing axis and height [m].
+    """
+    samples = 101 if point == 3 else 601
+    boom, stick, bucket = (
+        np.linspace(low, high, samples)
+        for low, high in zip(machine.lower[1:], machine.upper[1:], strict=True)
+    )
+    boom, stick, bucket = np.meshgrid(
+        boom, stick, bucket if point == 3 else bucket[:1], indexing="ij"
+    )
+    reach, height, pitch = machine.swing.offset, machine.base.height + machine.swing.height, 0.0
+    for q, link in zip((boom, stick, bucket)[:point], machine.links, strict=False):
+        pitch = pitch + q + link.angle_offset
+        reach = reach + link.length * np.cos(pitch)
+        height = height + link.length * np.sin(pitch)
+    cells = np.unique(np.round(np.stack((reach, height), -1).reshape(-1, 2) / CELL), axis=0)
+    return cells * CELL
+
+
+@styled
+def workspace(q: ArrayLike | None = None, machine: Machine = BACKHOE) -> Figure:
+    """Reach within the joint limits: a section through the arm's plane, and the ground from above.
+
+    Args:
+        q: posture drawn in the section, shape (4,) [rad]; None draws no arm.
+        machine: numbers and limits.
+
+    Raises:
+        ValueError: q has a wrong shape or value.
+    """
+    fig, (side, top) = figure(6.8, 10.4, 2, 1, height_ratios=(1.0, 1.2))
+    teeth, pin = reachable(machine, 3), reachable(machine, 2)
+    _fill(side, teeth, BLUE, "teeth")
+    _fill(side, pin, ORANGE, "bucket pin")
+    (low, bottom), (high, top_edge) = teeth.min(axis=0) - 0.6, teeth.max(axis=0) + 0.6
+    side_axes(side, (min(low, -high), high, bottom, top_edge), machine)
+    side.set(ylabel=HEIGHT_LABEL, title="side: section through the arm")
+    if q is not None:
+        draw_arm(side, q, machine)
+    side.legend(loc="upper left")
+
+    ground = teeth[np.abs(teeth[:, 1]) < CELL / 2][:, 0]
+    angle = np.linspace(0, 2 * np.pi, 200)
+    around = np.column_stack((np.cos(angle), np.sin(angle)))
+    centre = np.array([machine.base.offset, 0.0])
+    outer, inner = (centre + radius * around for radius in (ground.max(), ground.min()))
+    top.fill(*np.vstack((outer, inner[::-1])).T, color=BLUE, alpha=0.25, lw=0)
+    top.plot(*outer.T, color=BLUE)
+    top.plot(*inner.T, color=BLUE)
+    for q1 in (-90.0, 0.0):
+        draw_from_above(top, np.radians([q1, 20.0, 0.0, 60.0]), machine)
+    top.text(ground.max() - 0.6, 0.4, "$q_1=-90°$", ha="right")
+    top.text(0.8, ground.max() - 1.2, "$q_1=0$")
+    top.set(title="top: where the teeth reach level ground", aspect="equal")
+    metre_ticks(top)
+    return fig
+
+
+@styled
+def velocity_ellipses(postures: ArrayLike, machine: Machine = BACKHOE) -> Figure:
+    """How the bucket's pin moves when boom and stick turn at a joint speed of norm 1 rad/s.
+
+    Each ellipse is the set of velocities in the arm's plane, drawn at a quarter of its size (m/s on
+    the metre scale); a thin one means a direction that is hard to move in.
+
+    Args:
+        postures: joint angles, shape (n, 4) [rad].
+
+    Raises:
+        ValueError: postures have a wrong shape or value.
+    """
+    fig, ax = figure(6.8, 4.8)
+    side_axes(ax, (-2.6, 9.0, -3.4, 6.4), machine)
+    ax.set_ylabel(HEIGHT_LABEL)
+    for q in np.atleast_2d(np.asarray(postures, dtype=float)):
+        shoulder, elbow, pin, _ = plane_points(q, machine)
+        arms = pin - np.array([shoulder, elbow])
+        J = np.stack((-arms[:, 1], arms[:, 0]))
+        U, sigma, _ = np.linalg.svd(J)
+        ax.plot(*np.array([shoulder, elbow, pin]).T, "-o", color=STEEL, lw=3, ms=4, zorder=3)
+        tilt = np.degrees(np.arctan2(U[1, 0], U[0, 0]))
+        shape = Ellipse(pin, *(0.5 * sigma), angle=tilt, facecolor=BLUE, alpha=0.3, zorder=4)
+        ax.add_patch(shape)
+        for axis, length, colour in zip(U.T, sigma, (BLUE, RED), strict=True):
+            ends = pin + np.outer((-0.25, 0.25), length * axis)
+            ax.plot(*ends.T, color=colour, lw=2, zorder=5)
+    ax.plot([], [], color=BLUE, label="fast direction")
+    ax.plot([], [], color=RED, label="slow direction")
+    ax.legend(loc="upper left")
+    return fig
+
+
+@styled
+def singularities(machine: Machine = BACKHOE) -> Figure:
+    """|det J| of the pose over the boom's and the stick's whole turn, with the limits as a box."""
+    fig, ax = figure(6.8, 4.6)
+    boom, stick = np.meshgrid(np.linspace(-180, 180, 181), np.linspace(-180, 180, 181))
+    q = np.zeros((*boom.shape, 4))
+    q[..., 1], q[..., 2] = np.radians(boom), np.radians(stick)
+    pin = plane_points(q, machine)[..., 2, 0]
+    bend = np.radians(stick) + machine.stick.angle_offset
+    det = np.abs(pin * machine.boom.length * machine.stick.length * np.sin(bend))
+    shown = ax.contourf(boom, stick, det, levels=np.arange(0, 85, 10), cmap="viridis", extend="max")
+    fig.colorbar(shown, ax=ax, label=r"$|\,\det\, J\,|$ [m$^3$]")
+    ax.contour(boom, stick, pin, levels=[0.0], colors="white", linestyles="--", linewidths=2)
+    straight = np.degrees(-machine.stick.angle_offset)
+    for angle in (straight, straight - 180):
+        ax.axhline(angle, color="white", lw=2)
+    (_, low2, low3, _), (_, high2, high3, _) = np.degrees(machine.lower), np.degrees(machine.upper)
+    ax.add_patch(
+        Rectangle((low2, low3), high2 - low2, high3 - low3, fill=False, edgecolor=RED, lw=2.5)
+    )
+    ax.text(low2 + 4, low3 + 5, "within the limits", color="white", weight="bold")
+    ax.text(-172, straight + 5, "arm stretched", color="white")
+    ax.text(-172, straight - 175, "arm folded", color="white")
+    ax.text(122, -40, "pin over\nthe axis", color="white")
+    ax.set(xlabel="boom $q_2$ [deg]", ylabel="stick $q_3$ [deg]")
+    ax.set(xticks=range(-180, 181, 60), yticks=range(-180, 181, 60))
+    ax.grid(False)
+    return fig
+
+
+def _fill(ax: Axes, cells: NDArray, colour: str, label: str) -> None:
+    rows = np.round(cells / CELL).astype(int)
+    low = rows.min(axis=0) - 1
+    grid = np.zeros(rows.max(axis=0) - low + 2)
+    grid[tuple((rows - low).T)] = 1.0
+    x, z = ((low[k] + np.arange(grid.shape[k])) * CELL for k in (0, 1))
+    ax.contourf(x, z, grid.T, levels=[0.5, 1.5], colors=[colour], alpha=0.28, zorder=1)
+    ax.contour(x, z, grid.T, levels=[0.5], colors=[colour], linewidths=1.6, zorder=3)
+    ax.fill([], [], color=colour, alpha=0.4, label=label)

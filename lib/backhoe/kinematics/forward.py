@@ -65,7 +65,8 @@ def joint_vector(q: ArrayLike, name: str = "q") -> NDArray:
         raise ValueError(
             f"{name} must end in 4 joints ({', '.join(JOINTS)}), got shape {vector.shape}"
         )
-    if not np.isfinite(vector).all():
+    one = vector.ndim == 1
+    if not (all(map(math.isfinite, vector.tolist())) if one else np.isfinite(vector).all()):
         raise ValueError(f"{name} must be finite, got {_first_bad(vector)}")
     return vector
 

@@ -18,24 +18,29 @@ BASE_JOINTS = ("base_x", "base_y", "base_yaw")
 ALL_JOINTS = BASE_JOINTS + JOINTS
 
 
-def urdf(machine: Machine = BACKHOE, collision: Mapping[str, Path] | None = None) -> str:
+def urdf(
+    machine: Machine = BACKHOE, collision: Mapping[str, Path] | None = None, base: str = "tracks"
+) -> str:
     """URDF of the machine.
 
     Args:
         machine: its numbers.
         collision: an OBJ file in the link's own frame for each link whose convex hull collides;
             links are named like their joints, the undercarriage is "base_yaw". Default: none.
+        base: "tracks" for a base that moves in the plane, "fixed" for one without joints.
 
     Returns:
         The XML text.
     """
+    moves = base == "tracks"
     base, swing = machine.base, machine.swing
     links = [
-        _UrdfLink("base_x", "world", "prismatic", axis="1 0 0"),
-        _UrdfLink("base_y", "base_x", "prismatic", axis="0 1 0"),
+        _UrdfLink("base_x", "world", "prismatic" if moves else "fixed", axis="1 0 0"),
+        _UrdfLink("base_y", "base_x", "prismatic" if moves else "fixed", axis="0 1 0"),
         _UrdfLink(
             "base_yaw",
             "base_y",
+            "continuous" if moves else "fixed",
             mass=machine.tracks.mass,
             inertia=undercarriage_inertia(machine),
         ),

@@ -1,0 +1,317 @@
+"""The tick that all backends share: check, push, integrate, dig.
+
+A backend derives from `Loop` and brings the integration: `_integrate`, `_place` and, when the load
+changes, `_carry`. Forces come from `forces`, the soil's answer at 100 Hz from `backhoe.soil`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.kinematics import joint_vector
+from backhoe.machine import BACKHOE, Machine
+from backhoe.sim import forces, tracks
+from backhoe.sim.scene import LOADING, Scene
+
+STEP = 0.001
+"""Length of one step [s]."""
+
+TICKS_PER_DIG = 10
+"""Steps between two visits to the soil: 100 Hz."""
+
+REST = np.radians([-90.0, 30.0, -30.0, 0.0])
+"""Joint angles at the start [rad]: arm forward, folded, clear of the ground."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """State of a simulation: pass it to `restore` of the simulation that made it."""
+
+    owner: int
+    ticks: int
+    arrays: tuple[NDArray, ...]
+    payload: float
+    ground: object
+    engine: object
+
+
+class Loop:
+    """A simulated machine without the integration of its motion; see `protocol.Simulation`.
+
+    Args:
+        machine: its numbers.
+        scene: what stands around it.
+        seed: of the bumps on the heaps.
+        q: joint angles at the start, shape (4,) [rad]; default `REST`.
+        soil: whether the ground can be dug; without it `ground` is None.
+        base: "tracks" for a machine on its tracks' friction, "fixed" for a base that cannot move.
+        friction: whether the joints have the machine's viscous and Coulomb friction.
+
+    Raises:
+        ValueError: q is not 4 finite angles, or base is neither of the two.
+    """
+
+    backend = "none"
+    dt = STEP
+
+    def __init__(
+        self,
+        machine: Machine = BACKHOE,
+        scene: Scene = LOADING,
+        seed: int = 0,
+        q: ArrayLike | None = None,
+        soil: bool = True,
+        base: str = "tracks",
+        friction: bool = True,
+    ) -> None:
+        if base not in ("tracks", "fixed"):
+            raise ValueError(f'base must be "tracks" or "fixed", got {base!r}')
+        self.machine, self.scene, self.seed, self.base = machine, scene, seed, base
+        self._closed = False
+        self._start = _start(q)
+        self._soil_wanted = soil
+        self._parameters = forces.parameters(machine, friction)
+        self._patches = tracks.patch_positions(machine)
+        self._open()
+        self.reset()
+
+    @property
+    def time(self) -> float:
+        return self._ticks * self.dt
+
+    @property
+    def q(self) -> NDArray:
+        return self._q[3:].copy()
+
+    @property
+    def dq(self) -> NDArray:
+        return self._dq[3:].copy()
+
+    @property
+    def pose(self) -> NDArray:
+        return self._q[:3].copy()
+
+    @property
+    def twist(self) -> NDArray:
+        return self._dq[:3].copy()
+
+    @property
+    def belts(self) -> NDArray:
+        return self._belts.copy()
+
+    @property
+    def torque(self) -> NDArray:
+        return self._applied.copy()
+
+    @property
+    def soil_force(self) -> NDArray:
+        return self._felt.copy()
+
+    def step(self, torque: ArrayLike, belts: ArrayLike = (0.0, 0.0)) -> None:
+        """Advance by one step of 1 ms.
+
+        Torques beyond the machine's limits are cut as its actuators would; `torque` says what was
+        applied. Belts follow their command within the machine's speed and acceleration. At the
+        ends of the joints' range elastic stops push back.
+
+        Args:
+            torque: wanted joint torques, shape (4,) [N m].
+            belts: wanted speed of the left and right belt, shape (2,) [m/s].
+
+        Raises:
+            ValueError: a wrong shape, or a value that is not finite.
+            RuntimeError: the simulation is closed.
+        """
+        if self._closed:
+            self._refuse()
+        torque = np.asarray(torque, dtype=float)
+        belts = np.asarray(belts, dtype=float)
+        if torque.shape != (4,) or belts.shape != (2,) or not self._push(torque, belts):
+            _complain(torque, belts)
+        self._integrate(self._forces)
+        self._ticks += 1
+        if self.ground is not None and self._ticks % TICKS_PER_DIG == 0:
+            self._dig()
+
+    def reset(self, q: ArrayLike | None = None, pose: ArrayLike | None = None) -> None:
+        """Start again at time 0, at rest and unloaded, on untouched ground.
+
+        Args:
+            q: joint angles, shape (4,) [rad]; default where the simulation was opened.
+            pose: x, y, yaw of the vehicle, shape (3,) [m, m, rad]; default the origin.
+
+        Raises:
+            ValueError: a wrong shape or a value that is not finite; a pose with a fixed base.
+            RuntimeError: the simulation is closed.
+        """
+        self._check_open()
+        q = self._start if q is None else joint_vector(q).copy()
+        if q.shape != (4,):
+            raise ValueError(f"q must be 4 joint angles, got shape {q.shape}")
+        pose = np.zeros(3) if pose is None else np.asarray(pose, dtype=float)
+        if pose.shape != (3,) or not np.isfinite(pose).all():
+            raise ValueError(f"pose must be 3 finite numbers x, y, yaw, got {pose}")
+        if self.base == "fixed" and pose.any():
+            raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
+        self._ticks = 0
+        self._applied, self._forces = np.zeros(4), np.zeros(7)
+        self._soil, self._dug, self._felt = np.zeros((2, 3)), np.zeros(3), np.zeros(3)
+        self._belts, self._loads = np.zeros(2), np.zeros(len(self._patches))
+        self._sheared = np.zeros_like(self._patches)
+        self.ground = _ground(self.machine, self.scene, self.seed) if self._soil_wanted else None
+        self._load(0.0)
+        self._place(np.concatenate([pose, q]), np.zeros(7))
+
+    def snapshot(self) -> Snapshot:
+        """Everything that the future depends on; pass it to `restore`."""
+        self._check_open()
+        return Snapshot(
+            id(self),
+            self._ticks,
+            tuple(array.copy() for array in self._state()),
+            float(self._parameters["payload"][0]),
+            None if self.ground is None else self.ground.snapshot(),
+            self._engine_snapshot(),
+        )
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to a snapshot; what follows then repeats bit for bit.
+
+        Raises:
+            ValueError: the snapshot is of another simulation.
+            RuntimeError: the simulation is closed.
+        """
+        self._check_open()
+        if not isinstance(snapshot, Snapshot) or snapshot.owner != id(self):
+            raise ValueError("restore needs a snapshot of this very simulation")
+        self._ticks = snapshot.ticks
+        q, dq, *others = snapshot.arrays
+        for array, saved in zip(self._state()[2:], others, strict=True):
+            array[:] = saved
+        if self.ground is not None:
+            self.ground.restore(snapshot.ground)
+        self._load(snapshot.payload)
+        self._engine_restore(snapshot.engine)
+        self._place(q.copy(), dq.copy())
+
+    def close(self) -> None:
+        """Release what the simulation holds; a second call does nothing."""
+        if not self._closed:
+            self._closed = True
+            self._shut()
+
+    def __enter__(self) -> Loop:
+        self._check_open()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    # What a backend brings.
+
+    def _integrate(self, pushed: NDArray) -> None:
+        """Advance self._q and self._dq, new arrays of shape (7,), under forces (7,)."""
+        raise NotImplementedError
+
+    def _place(self, q: NDArray, dq: NDArray) -> None:
+        """Put the machine at coordinates q with rates dq, shape (7,)."""
+        self._q, self._dq = q, dq
+
+    def _carry(self, payload: float) -> None:
+        """Take `payload` [kg] along at the bucket's centre of mass."""
+
+    def _open(self) -> None:
+        """Prepare the engine."""
+
+    def _shut(self) -> None:
+        """Release the engine."""
+
+    def _engine_snapshot(self) -> object:
+        """State of the engine beyond coordinates and rates."""
+
+    def _engine_restore(self, state: object) -> None:
+        """Undo to what `_engine_snapshot` returned."""
+
+    def _state(self) -> tuple[NDArray, ...]:
+        return (
+            self._q,
+            self._dq,
+            self._applied,
+            self._soil,
+            self._dug,
+            self._felt,
+            self._belts,
+            self._loads,
+            self._sheared,
+        )
+
+    def _push(self, torque: NDArray, belts: NDArray) -> bool:
+        return forces.push(
+            self._q,
+            self._dq,
+            torque,
+            belts,
+            self.dt,
+            self._parameters,
+            self._patches,
+            self._soil,
+            self._sheared,
+            self._loads,
+            self._belts,
+            self._dug,
+            self._felt,
+            self._applied,
+            self._forces,
+        )
+
+    def _dig(self) -> None:
+        T_world_tip, velocity = forces.tip_motion(self._q, self._dq, self._parameters)
+        resistance = self.ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
+        self._soil[0] = resistance
+        speed = np.sqrt(velocity @ velocity)
+        if speed > 0.0:
+            self._soil[1] = velocity / speed
+        self._load(self.ground.payload)
+
+    def _load(self, payload: float) -> None:
+        if payload != self._parameters["payload"][0] or self._ticks == 0:
+            self._parameters["payload"][0] = payload
+            self._carry(payload)
+
+    def _check_open(self) -> None:
+        if self._closed:
+            self._refuse()
+
+    def _refuse(self) -> None:
+        raise RuntimeError("this simulation is closed: open a new one with sim.open_world()")
+
+
+def _start(q: ArrayLike | None) -> NDArray:
+    start = REST.copy() if q is None else joint_vector(q).copy()
+    if start.shape != (4,):
+        raise ValueError(f"q must be 4 joint angles, got shape {start.shape}")
+    return start
+
+
+def _complain(torque: NDArray, belts: NDArray) -> None:
+    if torque.shape != (4,):
+        raise ValueError(
+            "torque must be 4 numbers (swing, boom, stick, bucket) [N m], "
+            f"got shape {torque.shape}"
+        )
+    if belts.shape != (2,):
+        raise ValueError(f"belts must be 2 speeds (left, right) [m/s], got shape {belts.shape}")
+    raise ValueError(f"torque and belts must be finite, got {torque} N m and {belts} m/s")
+
+
+def _ground(machine: Machine, scene: Scene, seed: int) -> object:
+    try:
+        from backhoe import soil
+    except ImportError:
+        return None
+    return soil.ground(machine, scene, seed)
+
+

@@ -1,0 +1,119 @@
+"""Friction of the tracks on the ground: what carries, drives, turns and holds the machine.
+
+Each track rests on a row of patches. A patch's soil shears like a spring with the slip between shoe
+and ground until, after `SHEAR` of slip, the friction of the patch is used up and it slides. So the
+machine stands still under the push of the bucket and does not creep, and it slips when it turns. As
+the belt runs, sheared soil is left behind at one end and fresh soil comes under the other.
+Lengths in m, speeds in m/s, forces in N; vehicle frame (x forward, y left).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from backhoe.machine import Machine
+
+PATCHES_PER_TRACK = 7
+
+SHEAR = 0.005
+"""Slip at which a patch slides [m]: our choice, stiff against the 1 cm and more of loose soil."""
+
+RELAXATION = 0.02
+"""Damping of the sheared soil as a time [s]: our choice, the machine stops rocking in one swing."""
+
+
+def patch_positions(machine: Machine) -> NDArray:
+    """Middle of each patch in the vehicle frame, left track first, rear to front, shape (14, 2)."""
+    tracks = machine.tracks
+    x = ((np.arange(PATCHES_PER_TRACK) + 0.5) / PATCHES_PER_TRACK - 0.5) * tracks.length
+    left = np.c_[x, np.full_like(x, tracks.gauge / 2)]
+    return np.vstack([left, left * [1, -1]])
+
+
+@njit(cache=True)
+def patch_loads(patches, weight, x, y, loads):
+    """Share `weight` [N] among the patches so that its centre is at (x, y) [m].
+
+    The load varies linearly over the patches and is cut at zero where they would be pulled.
+    """
+    n = len(patches)
+    along, across = 0.0, 0.0
+    for i in range(n):
+        along += patches[i, 0] ** 2
+        across += patches[i, 1] ** 2
+    total = 0.0
+    for i in range(n):
+        share = 1.0 / n + patches[i, 0] * x / along + patches[i, 1] * y / across
+        loads[i] = max(share, 0.0)
+        total += loads[i]
+    for i in range(n):
+        loads[i] *= max(weight, 0.0) / total
+
+
+@njit(cache=True)
+def run_belts(belts, command, max_speed, acceleration, dt):
+    """Let the belts' speeds (2,) follow `command` as fast as `acceleration` allows, in place."""
+    for side in range(2):
+        wanted = min(max(command[side], -max_speed), max_speed)
+        change = min(max(wanted - belts[side], -acceleration * dt), acceleration * dt)
+        belts[side] += change
+
+
+@njit(cache=True)
+def friction(patches, loads, belts, velocity, yaw_rate, along, across, dt, sheared):
+    """Force and yaw moment of the ground on the tracks, over one step.
+
+    Args:
+        patches: positions, shape (n, 2), left track first [m].
+        loads: normal force on each, shape (n,) [N].
+        belts: speeds of the left and right belt [m/s].
+        velocity: of the vehicle's origin in its own frame, shape (2,) [m/s].
+        yaw_rate: of the vehicle [rad/s].
+        along, across: friction coefficients along and across the belts.
+        dt: step [s].
+        sheared: shear of each patch in units of `SHEAR`, shape (n, 2); brought forward in place.
+
+    Returns:
+        Force along x and y [N] and moment about z [N m], in the vehicle frame.
+    """
+    n = len(patches)
+    row = n // 2
+    force_x, force_y, moment = 0.0, 0.0, 0.0
+    for side in range(2):
+        _move_on(sheared, side * row, row, belts[side] * dt / (patches[1, 0] - patches[0, 0]))
+        for i in range(side * row, (side + 1) * row):
+            x, y = patches[i, 0], patches[i, 1]
+            slip_x = velocity[0] - yaw_rate * y - belts[side]
+            slip_y = velocity[1] + yaw_rate * x
+            shear_x = sheared[i, 0] + slip_x * dt / SHEAR
+            shear_y = sheared[i, 1] + slip_y * dt / SHEAR
+            over = max(np.sqrt(shear_x**2 + shear_y**2), 1.0)
+            sheared[i, 0], sheared[i, 1] = shear_x / over, shear_y / over
+            pull_x = sheared[i, 0] + slip_x * RELAXATION / SHEAR
+            pull_y = sheared[i, 1] + slip_y * RELAXATION / SHEAR
+            over = max(np.sqrt(pull_x**2 + pull_y**2), 1.0)
+            fx = -along * loads[i] * pull_x / over
+            fy = -across * loads[i] * pull_y / over
+            force_x += fx
+            force_y += fy
+            moment += x * fy - y * fx
+    return force_x, force_y, moment
+
+
+@njit(cache=True)
+def _move_on(sheared, first, row, share):
+    """Carry the shear of one track's patches on by `share` of a patch: fresh soil enters."""
+    if share > 0.0:
+        for i in range(first, first + row):
+            ahead = i + 1 < first + row
+            for axis in range(2):
+                entering = sheared[i + 1, axis] if ahead else 0.0
+                sheared[i, axis] += share * (entering - sheared[i, axis])
+    elif share < 0.0:
+        for i in range(first + row - 1, first - 1, -1):
+            behind = i > first
+            for axis in range(2):
+                entering = sheared[i - 1, axis] if behind else 0.0
+                sheared[i, axis] -= share * (entering - sheared[i, axis])

@@ -1,0 +1,112 @@
+"""The simulation in PyBullet: rigid bodies, contacts, rays and cameras.
+
+The arm is torque-controlled; PyBullet's own motors and all its damping are off. The forces come
+from `forces`, so PyBullet integrates the same machine as the analytic backend, by its own
+articulated-body algorithm, and adds contacts.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backhoe.machine import JOINTS
+from backhoe.sim import bullet
+from backhoe.sim.loop import Loop
+from backhoe.sim.urdf import ALL_JOINTS, urdf
+
+
+class BulletWorld(Loop):
+    """A `Loop` whose motion PyBullet integrates; arguments as there.
+
+    Raises:
+        ImportError: PyBullet is not installed.
+    """
+
+    backend = "pybullet"
+
+    def _open(self) -> None:
+        self._engine = bullet.pybullet()
+        self._client = bullet.connect()
+        engine, client = self._engine, self._client
+        engine.setTimeStep(self.dt, physicsClientId=client)
+        engine.setGravity(0, 0, -self.machine.gravity, physicsClientId=client)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "backhoe.urdf"
+            path.write_text(urdf(self.machine, base=self.base))
+            self._body = engine.loadURDF(
+                str(path),
+                useFixedBase=True,
+                flags=engine.URDF_USE_INERTIA_FROM_FILE,
+                physicsClientId=client,
+            )
+        self._joint = _joints_by_name(engine, self._body, client)
+        for index in (-1, *self._joint.values()):
+            engine.changeDynamics(
+                self._body,
+                index,
+                linearDamping=0,
+                angularDamping=0,
+                jointDamping=0,
+                physicsClientId=client,
+            )
+        moving = ALL_JOINTS if self.base == "tracks" else JOINTS
+        self._moving = [self._joint[name] for name in moving]
+        self._first = len(ALL_JOINTS) - len(moving)
+        engine.setJointMotorControlArray(
+            self._body,
+            self._moving,
+            engine.VELOCITY_CONTROL,
+            forces=[0.0] * len(moving),
+            physicsClientId=client,
+        )
+
+    def _shut(self) -> None:
+        self._engine.disconnect(physicsClientId=self._client)
+
+    def _integrate(self, pushed: NDArray) -> None:
+        engine, client = self._engine, self._client
+        engine.setJointMotorControlArray(
+            self._body,
+            self._moving,
+            engine.TORQUE_CONTROL,
+            forces=pushed[self._first :].tolist(),
+            physicsClientId=client,
+        )
+        engine.stepSimulation(physicsClientId=client)
+        self._read()
+
+    def _read(self) -> None:
+        states = self._engine.getJointStates(self._body, self._moving, physicsClientId=self._client)
+        still = [0.0] * self._first
+        self._q = np.array(still + [state[0] for state in states])
+        self._dq = np.array(still + [state[1] for state in states])
+
+    def _place(self, q: NDArray, dq: NDArray) -> None:
+        for index, angle, speed in zip(self._moving, q[self._first :], dq[self._first :], strict=True):
+            self._engine.resetJointState(
+                self._body, index, angle, speed, physicsClientId=self._client
+            )
+        self._read()
+
+    def _carry(self, payload: float) -> None:
+        inertia = self.machine.bucket.inertia
+        self._engine.changeDynamics(
+            self._body,
+            self._joint["bucket"],
+            mass=self.machine.bucket.mass + payload,
+            localInertiaDiagonal=(inertia, inertia, inertia),
+            physicsClientId=self._client,
+        )
+
+
+def _joints_by_name(engine: object, body: int, client: int) -> dict[str, int]:
+    return {
+        engine.getJointInfo(body, index, physicsClientId=client)[1].decode(): index
+        for index in range(engine.getNumJoints(body, physicsClientId=client))
+    }
+
+

@@ -389,11 +389,8 @@ def truck_visuals(truck: Truck | None) -> tuple[Visual, ...]:
               for x in axles for s in (-1, 1)],
         ),
     )
-    c, s = np.cos(truck.yaw), np.sin(truck.yaw)
-    turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     return tuple(
-        Visual(part.vertices @ turn + [truck.x, truck.y, 0.0], part.faces, part.colour)
-        for part in parts
+        Visual(part.vertices + [truck.x, truck.y, 0.0], part.faces, part.colour) for part in parts
     )
 
 

@@ -24,13 +24,6 @@ STOP_TRAVEL = 0.02
 STOP_DAMPING = 0.4
 """Damping ratio of a stop, with the smallest inertia that the joint can feel."""
 
-SOIL_TRAVEL = 0.005
-"""Travel of the tip over which the soil's resistance builds up or turns round [m]: our choice."""
-
-SOIL_RELAXATION = 0.002
-"""Damping of the soil under the tip as a time [s]: our choice, it ends ringing of the bucket."""
-
-
 def parameters(machine: Machine, friction: bool) -> NDArray:
     """The machine's numbers as the one record that the compiled functions read, shape (1,)."""
     boom, stick, bucket = machine.links
@@ -77,11 +70,10 @@ def parameters(machine: Machine, friction: bool) -> NDArray:
 
 def _stops(machine: Machine) -> tuple[NDArray, NDArray]:
     """Stiffness [N m/rad] and damping [N m s/rad] of the stops, each of shape (4,)."""
-    grid = np.stack(
-        np.meshgrid(*(np.linspace(low, high, 7) for low, high in zip(machine.lower, machine.upper, strict=True)),
-                    indexing="ij"), -1).reshape(-1, 4)
+    ranges = np.linspace(machine.lower, machine.upper, 7).T
+    grid = np.stack(np.meshgrid(*ranges, indexing="ij"), axis=-1)
     mobility = np.linalg.inv(dynamics.mass_matrix(grid, machine=machine))
-    inertia = 1 / np.diagonal(mobility, axis1=-2, axis2=-1).max(axis=0)
+    inertia = 1 / np.diagonal(mobility, axis1=-2, axis2=-1).max(axis=(0, 1, 2, 3))
     stiffness = machine.torque_limit / STOP_TRAVEL
     return stiffness, 2 * STOP_DAMPING * np.sqrt(stiffness * inertia)
 
@@ -92,15 +84,13 @@ def push(
     dq,
     torque,
     belt_command,
+    soil_force,
     dt,
     parameters,
     patches,
-    soil,
     sheared,
     loads,
     belts,
-    dug,
-    felt,
     applied,
     out,
 ):
@@ -110,13 +100,11 @@ def push(
         q, dq: coordinates x, y, yaw, swing, boom, stick, bucket and their rates, shape (7,).
         torque: wanted joint torques, shape (4,) [N m].
         belt_command: wanted speed of the left and right belt, shape (2,) [m/s].
+        soil_force: on the bucket's tip, in the world, shape (3,) [N].
         dt: step [s].
         parameters: from `parameters`.
         patches: from `tracks.patch_positions`.
-        soil: resistance of the soil [N] and the direction of motion that it was found for, (2, 3).
         sheared, loads, belts: state of the tracks, brought forward in place.
-        dug: how far the soil's resistance has built up, shape (3,), brought forward in place.
-        felt: force of the soil on the tip in the world frame, shape (3,) [N], filled in.
         applied: the joint torques within the actuators' limits, shape (4,), filled in.
         out: the forces, shape (7,) [N, N, N m, ...], filled in.
 
@@ -126,121 +114,23 @@ def push(
     if not (np.isfinite(torque).all() and np.isfinite(belt_command).all()):
         return False
     p = parameters[0]
-    for k in range(4):
-        applied[k] = min(max(torque[k], -p.torque_limit[k]), p.torque_limit[k])
-        speed = dq[3 + k]
-        out[3 + k] = (
-            applied[k]
-            - p.viscous[k] * speed
-            - p.coulomb[k] * np.tanh(speed / COULOMB_SMOOTHING)
-            + _stop(q[3 + k], speed, p.lower[k], p.upper[k], p.stop_stiffness[k], p.stop_damping[k])
-        )
-    out[:3] = 0.0
-
-    yaw, yaw_rate = q[2], dq[2]
-    forward = np.cos(yaw), np.sin(yaw)
-    heading = yaw + q[3] + np.pi / 2
-    outward = np.cos(heading), np.sin(heading)
-    turning = yaw_rate + dq[3]
-    boom = q[4] + p.boom_angle_offset
-    stick = boom + q[5] + p.stick_angle_offset
-    bucket = stick + q[6] + p.bucket_angle_offset
-    r2, z2 = p.swing_offset, p.boom_height
-    r3, z3 = r2 + p.boom_length * np.cos(boom), z2 + p.boom_length * np.sin(boom)
-    r4, z4 = r3 + p.stick_length * np.cos(stick), z3 + p.stick_length * np.sin(stick)
-    rt, zt = r4 + p.bucket_length * np.cos(bucket), z4 + p.bucket_length * np.sin(bucket)
-    tip_x = p.base_offset * forward[0] + rt * outward[0]
-    tip_y = p.base_offset * forward[1] + rt * outward[1]
-
-    fx, fy, fz = 0.0, 0.0, 0.0
-    if soil[0, 0] != 0.0 or soil[0, 1] != 0.0 or soil[0, 2] != 0.0:
-        away = -((zt - z2) * dq[4] + (zt - z3) * dq[5] + (zt - z4) * dq[6])
-        up = (rt - r2) * dq[4] + (rt - r3) * dq[5] + (rt - r4) * dq[6]
-        vx = dq[0] - yaw_rate * p.base_offset * forward[1] + away * outward[0] - turning * rt * outward[1]
-        vy = dq[1] + yaw_rate * p.base_offset * forward[0] + away * outward[1] + turning * rt * outward[0]
-        fx, fy, fz = _resistance(soil, vx, vy, up, dt, dug)
-        radial = fx * outward[0] + fy * outward[1]
-        out[0] += fx
-        out[1] += fy
-        out[2] += tip_x * fy - tip_y * fx
-        out[3] += rt * (fy * outward[0] - fx * outward[1])
-        out[4] += (rt - r2) * fz - (zt - z2) * radial
-        out[5] += (rt - r3) * fz - (zt - z3) * radial
-        out[6] += (rt - r4) * fz - (zt - z4) * radial
-    else:
-        dug[:] = 0.0
-    felt[0], felt[1], felt[2] = fx, fy, fz
-
-    boom_com = r2 + p.boom_com_radius * np.cos(q[4] + p.boom_com_angle)
-    stick_com = r3 + p.stick_com_radius * np.cos(boom + q[5] + p.stick_com_angle)
-    bucket_com = r4 + p.bucket_com_radius * np.cos(stick + q[6] + p.bucket_com_angle)
-    bucket_mass = p.bucket_mass + p.payload
-    arm = p.boom_mass * boom_com + p.stick_mass * stick_com + bucket_mass * bucket_com
-    house_arm_mass = p.house_mass + p.boom_mass + p.stick_mass + bucket_mass
-    swing = q[3] + np.pi / 2
-    moment_out = arm + p.house_mass * p.house_com_x
-    moment_left = p.house_mass * p.house_com_y
-    moment_x = house_arm_mass * p.base_offset + moment_out * np.cos(swing) - moment_left * np.sin(swing)
-    moment_y = moment_out * np.sin(swing) + moment_left * np.cos(swing)
-    weight = (house_arm_mass + p.track_mass) * p.gravity - fz
-    if weight > 0.0:
-        push_x, push_y = fx * forward[0] + fy * forward[1], fy * forward[0] - fx * forward[1]
-        at_x, at_y = tip_x * forward[0] + tip_y * forward[1], tip_y * forward[0] - tip_x * forward[1]
-        centre_x = (moment_x * p.gravity + zt * push_x - at_x * fz) / weight
-        centre_y = (moment_y * p.gravity + zt * push_y - at_y * fz) / weight
-        tracks.patch_loads(patches, weight, centre_x, centre_y, loads)
-    else:
-        loads[:] = 0.0
+    _joint_torques(q, dq, torque, p, applied, out)
+    points = _arm_points(q, p)
+    _tip_force(q, soil_force, points, p, out)
+    mass, centre_x, centre_y = _standing_on(q, soil_force, points, p)
+    weight = mass * p.gravity - soil_force[2]
+    tracks.patch_loads(patches, weight, centre_x, centre_y, loads)
     tracks.run_belts(belts, belt_command, p.belt_speed, p.belt_acceleration, dt)
-    velocity = dq[0] * forward[0] + dq[1] * forward[1], dq[1] * forward[0] - dq[0] * forward[1]
-    ground_x, ground_y, ground_moment = tracks.friction(
-        patches, loads, belts, velocity, yaw_rate, p.along, p.across, dt, sheared
+
+    cos_yaw, sin_yaw = np.cos(q[2]), np.sin(q[2])
+    velocity = dq[0] * cos_yaw + dq[1] * sin_yaw, dq[1] * cos_yaw - dq[0] * sin_yaw
+    along, across, moment = tracks.friction(
+        patches, loads, belts, velocity, dq[2], p.along, p.across, dt, sheared
     )
-    out[0] += ground_x * forward[0] - ground_y * forward[1]
-    out[1] += ground_x * forward[1] + ground_y * forward[0]
-    out[2] += ground_moment
+    out[0] += along * cos_yaw - across * sin_yaw
+    out[1] += along * sin_yaw + across * cos_yaw
+    out[2] += moment
     return True
-
-
-@njit(cache=True)
-def _stop(angle, speed, lower, upper, stiffness, damping):
-    """Torque of a stop: a spring and a damper that push back into the range and never pull."""
-    if angle > upper:
-        return min(-stiffness * (angle - upper) - damping * speed, 0.0)
-    if angle < lower:
-        return max(stiffness * (lower - angle) - damping * speed, 0.0)
-    return 0.0
-
-
-@njit(cache=True)
-def _resistance(soil, vx, vy, vz, dt, dug):
-    """Force of the soil on the tip, built up over `SOIL_TRAVEL` like a spring that yields.
-
-    Between two visits to the soil its largest resistance is held; moving on, the tip feels all of
-    it, resting it keeps what is balanced, turning back it first lets go. Nothing jumps.
-    """
-    velocity = vx, vy, vz
-    largest = np.sqrt(soil[0, 0] ** 2 + soil[0, 1] ** 2 + soil[0, 2] ** 2)
-    size = 0.0
-    for axis in range(3):
-        dug[axis] += velocity[axis] * dt / SOIL_TRAVEL
-        size += dug[axis] ** 2
-    size = max(np.sqrt(size), 1.0)
-    for axis in range(3):
-        dug[axis] /= size
-    strain = dug[0], dug[1], dug[2]
-    sx = strain[0] + vx * SOIL_RELAXATION / SOIL_TRAVEL
-    sy = strain[1] + vy * SOIL_RELAXATION / SOIL_TRAVEL
-    sz = strain[2] + vz * SOIL_RELAXATION / SOIL_TRAVEL
-    size = max(np.sqrt(sx**2 + sy**2 + sz**2), 1.0)
-    sx, sy, sz = sx / size, sy / size, sz / size
-    dx, dy, dz = soil[1, 0], soil[1, 1], soil[1, 2]
-    onward = sx * dx + sy * dy + sz * dz
-    return (
-        soil[0, 0] * onward - largest * (sx - onward * dx),
-        soil[0, 1] * onward - largest * (sy - onward * dy),
-        soil[0, 2] * onward - largest * (sz - onward * dz),
-    )
 
 
 @njit(cache=True)
@@ -255,16 +145,10 @@ def tip_motion(q, dq, parameters):
         T_world_tip, shape (4, 4), and the velocity of its origin, shape (3,) [m/s].
     """
     p = parameters[0]
-    yaw, heading = q[2], q[2] + q[3] + np.pi / 2
+    r2, z2, r3, z3, r4, z4, r, z, pitch = _arm_points(q, p)
+    heading = q[2] + q[3] + np.pi / 2
     out_x, out_y = np.cos(heading), np.sin(heading)
-    boom = q[4] + p.boom_angle_offset
-    stick = boom + q[5] + p.stick_angle_offset
-    pitch = stick + q[6] + p.bucket_angle_offset
-    r2, z2 = p.swing_offset, p.boom_height
-    r3, z3 = r2 + p.boom_length * np.cos(boom), z2 + p.boom_length * np.sin(boom)
-    r4, z4 = r3 + p.stick_length * np.cos(stick), z3 + p.stick_length * np.sin(stick)
-    r, z = r4 + p.bucket_length * np.cos(pitch), z4 + p.bucket_length * np.sin(pitch)
-    axis_x, axis_y = p.base_offset * np.cos(yaw), p.base_offset * np.sin(yaw)
+    axis_x, axis_y = p.base_offset * np.cos(q[2]), p.base_offset * np.sin(q[2])
     c, s = np.cos(pitch), np.sin(pitch)
     T = np.zeros((4, 4))
     T[0, 0], T[1, 0], T[2, 0] = c * out_x, c * out_y, s
@@ -272,11 +156,100 @@ def tip_motion(q, dq, parameters):
     T[0, 2], T[1, 2] = out_y, -out_x
     T[0, 3], T[1, 3], T[2, 3] = q[0] + axis_x + r * out_x, q[1] + axis_y + r * out_y, z
     T[3, 3] = 1.0
-    away = -((z - z2) * dq[4] + (z - z3) * dq[5] + (z - z4) * dq[6])
-    up = (r - r2) * dq[4] + (r - r3) * dq[5] + (r - r4) * dq[6]
-    turning = dq[2] + dq[3]
-    velocity = np.zeros(3)
-    velocity[0] = dq[0] - dq[2] * axis_y + away * out_x - turning * r * out_y
-    velocity[1] = dq[1] + dq[2] * axis_x + away * out_y + turning * r * out_x
-    velocity[2] = up
+    outwards = -((z - z2) * dq[4] + (z - z3) * dq[5] + (z - z4) * dq[6])
+    turning = (dq[2] + dq[3]) * r
+    velocity = np.array(
+        [
+            dq[0] - dq[2] * axis_y + outwards * out_x - turning * out_y,
+            dq[1] + dq[2] * axis_x + outwards * out_y + turning * out_x,
+            (r - r2) * dq[4] + (r - r3) * dq[5] + (r - r4) * dq[6],
+        ]
+    )
     return T, velocity
+
+
+@njit(cache=True)
+def _joint_torques(q, dq, torque, p, applied, out):
+    """Actuator within its limit, friction and stop of each joint, into out[3:]."""
+    for k in range(4):
+        applied[k] = min(max(torque[k], -p.torque_limit[k]), p.torque_limit[k])
+        friction = p.viscous[k] * dq[3 + k] + p.coulomb[k] * np.tanh(dq[3 + k] / COULOMB_SMOOTHING)
+        out[3 + k] = applied[k] - friction + _stop(q[3 + k], dq[3 + k], k, p)
+
+
+@njit(cache=True)
+def _stop(angle, speed, k, p):
+    """Torque of a stop: a spring and a damper that push back into the range and never pull."""
+    if angle > p.upper[k]:
+        return min(p.stop_stiffness[k] * (p.upper[k] - angle) - p.stop_damping[k] * speed, 0.0)
+    if angle < p.lower[k]:
+        return max(p.stop_stiffness[k] * (p.lower[k] - angle) - p.stop_damping[k] * speed, 0.0)
+    return 0.0
+
+
+@njit(cache=True)
+def _arm_points(q, p):
+    """Boom joint, stick joint, bucket pin and tip in the arm's plane, and the bucket's pitch.
+
+    Each point is r outwards from the swing axis and z above the ground [m].
+    """
+    boom = q[4] + p.boom_angle_offset
+    stick = boom + q[5] + p.stick_angle_offset
+    bucket = stick + q[6] + p.bucket_angle_offset
+    r2, z2 = p.swing_offset, p.boom_height
+    r3, z3 = r2 + p.boom_length * np.cos(boom), z2 + p.boom_length * np.sin(boom)
+    r4, z4 = r3 + p.stick_length * np.cos(stick), z3 + p.stick_length * np.sin(stick)
+    r5, z5 = r4 + p.bucket_length * np.cos(bucket), z4 + p.bucket_length * np.sin(bucket)
+    return r2, z2, r3, z3, r4, z4, r5, z5, bucket
+
+
+@njit(cache=True)
+def _tip_force(q, force, points, p, out):
+    """J^T of a force in the world on the tip, into out."""
+    r2, z2, r3, z3, r4, z4, r, z, _ = points
+    heading = q[2] + q[3] + np.pi / 2
+    out_x, out_y = np.cos(heading), np.sin(heading)
+    x = p.base_offset * np.cos(q[2]) + r * out_x
+    y = p.base_offset * np.sin(q[2]) + r * out_y
+    outwards = force[0] * out_x + force[1] * out_y
+    out[0] = force[0]
+    out[1] = force[1]
+    out[2] = x * force[1] - y * force[0]
+    out[3] += r * (force[1] * out_x - force[0] * out_y)
+    out[4] += (r - r2) * force[2] - (z - z2) * outwards
+    out[5] += (r - r3) * force[2] - (z - z3) * outwards
+    out[6] += (r - r4) * force[2] - (z - z4) * outwards
+
+
+@njit(cache=True)
+def _standing_on(q, force, points, p):
+    """Mass of machine and load [kg] and where the ground's reaction acts, vehicle frame [m].
+
+    The reaction balances weight and tip force as if nothing accelerated.
+    """
+    r2, _, r3, _, r4, _, r, z, _ = points
+    boom, stick = q[4] + p.boom_angle_offset, q[5] + p.stick_angle_offset
+    bucket_mass = p.bucket_mass + p.payload
+    upper_mass = p.house_mass + p.boom_mass + p.stick_mass + bucket_mass
+    outwards = (
+        p.house_mass * p.house_com_x
+        + p.boom_mass * (r2 + p.boom_com_radius * np.cos(q[4] + p.boom_com_angle))
+        + p.stick_mass * (r3 + p.stick_com_radius * np.cos(boom + q[5] + p.stick_com_angle))
+        + bucket_mass * (r4 + p.bucket_com_radius * np.cos(boom + stick + q[6] + p.bucket_com_angle))
+    )
+    leftwards = p.house_mass * p.house_com_y
+    swing_x, swing_y = np.cos(q[3] + np.pi / 2), np.sin(q[3] + np.pi / 2)
+    moment_x = upper_mass * p.base_offset + outwards * swing_x - leftwards * swing_y
+    moment_y = outwards * swing_y + leftwards * swing_x
+    mass = upper_mass + p.track_mass
+    weight = mass * p.gravity - force[2]
+    if weight <= 0.0:
+        return mass, 0.0, 0.0
+    c, s = np.cos(q[2]), np.sin(q[2])
+    push_x, push_y = force[0] * c + force[1] * s, force[1] * c - force[0] * s
+    tip_x, tip_y = p.base_offset + r * swing_x, r * swing_y
+    return (
+        mass,
+        (moment_x * p.gravity + z * push_x - tip_x * force[2]) / weight,
+        (moment_y * p.gravity + z * push_y - tip_y * force[2]) / weight,
+    )

@@ -7,6 +7,7 @@ changes, `_carry`. Forces come from `forces`, the soil's answer at 100 Hz from `
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,9 @@ from backhoe.kinematics import joint_vector
 from backhoe.machine import BACKHOE, Machine
 from backhoe.sim import forces, tracks
 from backhoe.sim.scene import LOADING, Scene
+
+if TYPE_CHECKING:
+    from backhoe.soil import Ground
 
 STEP = 0.001
 """Length of one step [s]."""
@@ -108,7 +112,7 @@ class Loop:
 
     @property
     def soil_force(self) -> NDArray:
-        return self._felt.copy()
+        return self._soil_force.copy()
 
     def step(self, torque: ArrayLike, belts: ArrayLike = (0.0, 0.0)) -> None:
         """Advance by one step of 1 ms.
@@ -133,7 +137,7 @@ class Loop:
             _complain(torque, belts)
         self._integrate(self._forces)
         self._ticks += 1
-        if self.ground is not None and self._ticks % TICKS_PER_DIG == 0:
+        if self.ground is not None:
             self._dig()
 
     def reset(self, q: ArrayLike | None = None, pose: ArrayLike | None = None) -> None:
@@ -158,7 +162,7 @@ class Loop:
             raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
         self._ticks = 0
         self._applied, self._forces = np.zeros(4), np.zeros(7)
-        self._soil, self._dug, self._felt = np.zeros((2, 3)), np.zeros(3), np.zeros(3)
+        self._soil_force = np.zeros(3)
         self._belts, self._loads = np.zeros(2), np.zeros(len(self._patches))
         self._sheared = np.zeros_like(self._patches)
         self.ground = _ground(self.machine, self.scene, self.seed) if self._soil_wanted else None
@@ -240,9 +244,7 @@ class Loop:
             self._q,
             self._dq,
             self._applied,
-            self._soil,
-            self._dug,
-            self._felt,
+            self._soil_force,
             self._belts,
             self._loads,
             self._sheared,
@@ -254,27 +256,25 @@ class Loop:
             self._dq,
             torque,
             belts,
+            self._soil_force,
             self.dt,
             self._parameters,
             self._patches,
-            self._soil,
             self._sheared,
             self._loads,
             self._belts,
-            self._dug,
-            self._felt,
             self._applied,
             self._forces,
         )
 
     def _dig(self) -> None:
+        """Let the soil move on at 100 Hz and feel it at 1 kHz."""
         T_world_tip, velocity = forces.tip_motion(self._q, self._dq, self._parameters)
-        resistance = self.ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
-        self._soil[0] = resistance
-        speed = np.sqrt(velocity @ velocity)
-        if speed > 0.0:
-            self._soil[1] = velocity / speed
-        self._load(self.ground.payload)
+        if self._ticks % TICKS_PER_DIG == 0:
+            self._soil_force = self.ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
+            self._load(self.ground.payload)
+        elif T_world_tip[2, 3] - self.machine.bucket.length < self.ground.terrain.top:
+            self._soil_force = self.ground.force(T_world_tip[:3, 3], velocity)
 
     def _load(self, payload: float) -> None:
         if payload != self._parameters["payload"][0] or self._ticks == 0:
@@ -307,11 +307,13 @@ def _complain(torque: NDArray, belts: NDArray) -> None:
     raise ValueError(f"torque and belts must be finite, got {torque} N m and {belts} m/s")
 
 
-def _ground(machine: Machine, scene: Scene, seed: int) -> object:
-    try:
-        from backhoe import soil
-    except ImportError:
-        return None
-    return soil.ground(machine, scene, seed)
+def _ground(machine: Machine, scene: Scene, seed: int) -> Ground:
+    from backhoe.soil import Ground, Terrain
 
-
+    terrain = Terrain(scene.heights(seed), scene.cell, scene.corner)
+    truck, bed = scene.truck, None
+    if truck is not None:
+        bed = Terrain.bed(
+            (truck.x, truck.y), truck.bed_length, truck.bed_width, truck.floor, truck.wall, scene.cell
+        )
+    return Ground(terrain, bed, machine=machine, hold=STEP)

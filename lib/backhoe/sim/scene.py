@@ -39,15 +39,14 @@ class Heap:
 
 @dataclass(frozen=True)
 class Truck:
-    """A dump truck, standing: centre of its bed (x, y), direction of travel `yaw`.
+    """A dump truck that stands with its nose along x, the middle of its bed at (x, y).
 
-    The open bed is `bed_length` along the direction of travel by `bed_width` inside, its `floor`
-    and the top of its `wall` measured from the ground [m].
+    The open bed is `bed_length` along x by `bed_width` inside, its `floor` and the top of its
+    `wall` measured from the ground [m].
     """
 
     x: float
     y: float
-    yaw: float
     bed_length: float
     bed_width: float
     floor: float
@@ -117,7 +116,7 @@ LOADING = Scene(
     columns=161,
     cell=0.08,
     heaps=(Heap(x=6.0, y=0.0, height=1.0, radius=2.5),),
-    truck=Truck(x=0.8, y=5.3, yaw=0.0, bed_length=4.4, bed_width=2.3, floor=1.1, wall=1.9),
+    truck=Truck(x=0.8, y=5.3, bed_length=4.4, bed_width=2.4, floor=1.1, wall=1.9),
 )
 """A spoil heap ahead and a truck on the left: what the tour digs and fills."""
 

@@ -230,10 +230,12 @@ def energy(q: ArrayLike, dq: ArrayLike, machine: Machine = BACKHOE) -> tuple[NDA
         ValueError: a last axis is not 4, a value is not finite, or shapes do not broadcast.
     """
     q, dq = joint_vector(q), joint_vector(dq, "dq")
-    kinetic = np.einsum("...i,...ij,...j->...", dq, mass_matrix(q, machine), dq) / 2
-    potential = np.asarray(_potential_energy(q, machine))
-    kinetic, potential = np.broadcast_arrays(kinetic, potential)
-    return kinetic[()], potential[()]
+    momentum = (mass_matrix(q, machine) @ dq[..., None])[..., 0]
+    kinetic = (dq * momentum).sum(axis=-1) / 2
+    potential = _potential_energy(q, machine)
+    if np.shape(potential) != np.shape(kinetic):
+        potential = np.broadcast_to(potential, kinetic.shape).copy()
+    return kinetic, potential
 
 
 def _potential_energy(q: NDArray, machine: Machine) -> NDArray:

@@ -1,8 +1,8 @@
 """The terms at one posture, in floats, and at many, in arrays: arrangement only.
 
-A single call in floats takes a third of the time of NumPy on arrays of one. Many postures go through
-NumPy in tiles that fit the processor's cache; above `MANY`, mass matrix and inverse dynamics go
-through loops compiled by Numba when it is installed. The numbers agree to rounding.
+A single call in floats takes a third of the time of NumPy on arrays of one. Many postures go
+through NumPy in tiles that fit the processor's cache; from `MANY` on, mass matrix and inverse
+dynamics go through loops compiled by Numba when it is installed. The numbers agree to rounding.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def evaluate(
         first, *others = (vector.tolist() for vector in vectors)
         write(out, arm, posture(arm, first, math.cos, math.sin), *others)
         return out
-    lead = np.broadcast_shapes(*(vector.shape for vector in vectors))[:-1]
+    lead = _common_shape(vectors)
     flat = [np.broadcast_to(vector, (*lead, 4)).reshape(-1, 4) for vector in vectors]
     out = np.empty((len(flat[0]), *tail))
     compiled = _COMPILED.get(write)
@@ -70,8 +70,18 @@ def _run_compiled(name: str, arm: Arm, flat: list[NDArray], out: NDArray) -> boo
         from backhoe.dynamics import compiled
     except ImportError:
         return False
-    getattr(compiled, name)(arm, *flat, out)
+    plain = Arm(*map(float, arm))
+    getattr(compiled, name)(plain, *(np.require(v, requirements=("C", "W")) for v in flat), out)
     return True
+
+
+def _common_shape(vectors: Sequence[NDArray]) -> tuple[int, ...]:
+    shapes = [vector.shape for vector in vectors]
+    try:
+        return np.broadcast_shapes(*shapes)[:-1]
+    except ValueError as error:
+        listed = ", ".join(map(str, shapes))
+        raise ValueError(f"the leading axes must fit each other, got shapes {listed}") from error
 
 
 def write_mass_matrix(M: NDArray, arm: Arm, v: Vectors) -> None:

@@ -1,0 +1,213 @@
+"""Fixed-step integrators, each a few lines, for comparing what they do to a motion.
+
+All step dx/dt = f(t, x) from x0 and return every state on the way, with `f` as scipy's `solve_ivp`
+takes it; `motion` makes such an f of an acceleration, with the state x = (q, dq).
+
+| rule | order | in a swinging arm |
+|---|---|---|
+| `euler` | 1 | gains energy |
+| `semi_implicit_euler` | 1 | energy stays within a band |
+| `trapezoid` | 2 | energy drifts little |
+| `rk4` | 4 | energy drifts least at small steps |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["Rollout", "euler", "motion", "rk4", "semi_implicit_euler", "trapezoid"]
+
+Rate = Callable[[float, NDArray], ArrayLike]
+Acceleration = Callable[[float, NDArray, NDArray], ArrayLike]
+
+
+class Rollout(NamedTuple):
+    """Times (steps + 1,) [s] and states (steps + 1, n), the first row the start."""
+
+    t: NDArray
+    x: NDArray
+
+
+def motion(acceleration: Acceleration) -> Rate:
+    """The rate f(t, x) of a state x = (q, dq) whose acceleration is known.
+
+    Args:
+        acceleration: function of t, q and dq that gives ddq; all of one shape (n,).
+
+    Returns:
+        f with f(t, (q, dq)) = (dq, ddq), shape (2 n,).
+    """
+
+    def f(t: float, x: NDArray) -> NDArray:
+        q, dq = np.split(x, 2)
+        return np.concatenate([dq, acceleration(t, q, dq)])
+
+    return f
+
+
+def euler(f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:
+    """Explicit Euler: x_k+1 = x_k + dt f(t_k, x_k).
+
+    Args:
+        f: rate of the state, f(t, x) of the shape of x.
+        x0: state at time 0, shape (n,).
+        dt: step [s].
+        steps: number of steps.
+
+    Returns:
+        Times and states.
+
+    Raises:
+        ValueError: x0 is not one row of finite numbers, dt is not positive, steps is not a count,
+            or f gives another shape.
+        FloatingPointError: the state is no longer finite: the step is too long.
+    """
+
+    def step(t: float, x: NDArray) -> NDArray:
+        return x + dt * f(t, x)
+
+    return _roll_out(step, f, x0, dt, steps)
+
+
+def semi_implicit_euler(
+    acceleration: Acceleration, x0: ArrayLike, dt: float, steps: int
+) -> Rollout:
+    """Semi-implicit Euler: first the speed, then the position with the new speed.
+
+    dq_k+1 = dq_k + dt a(t_k, q_k, dq_k), q_k+1 = q_k + dt dq_k+1: what most physics engines do,
+    PyBullet among them. It takes the acceleration itself, not its `motion`.
+
+    Args:
+        acceleration: function of t, q and dq that gives ddq.
+        x0: state (q, dq) at time 0, shape (2 n,).
+        dt: step [s].
+        steps: number of steps.
+
+    Returns:
+        Times and states (q, dq).
+
+    Raises:
+        ValueError: as for `euler`, or x0 does not split in two halves.
+        FloatingPointError: as for `euler`.
+    """
+    if np.size(x0) % 2:
+        raise ValueError(f"x0 must be positions and as many speeds, got {np.size(x0)} values")
+
+    def step(t: float, x: NDArray) -> NDArray:
+        q, dq = np.split(x, 2)
+        dq = dq + dt * np.asarray(acceleration(t, q, dq))
+        return np.concatenate([q + dt * dq, dq])
+
+    return _roll_out(step, motion(acceleration), x0, dt, steps)
+
+
+def trapezoid(
+    f: Rate,
+    x0: ArrayLike,
+    dt: float,
+    steps: int,
+    tolerance: float = 1e-12,
+    max_iterations: int = 50,
+) -> Rollout:
+    """Trapezoidal rule: x_k+1 = x_k + dt/2 (f(t_k, x_k) + f(t_k+1, x_k+1)), solved for x_k+1.
+
+    Implicit; the equation is repeated from a predicted x_k+1 until it stands still.
+
+    Source: Mastalli 2013, section 2.3.1, "integración trapezoidal".
+
+    Args:
+        f: rate of the state, f(t, x) of the shape of x.
+        x0: state at time 0, shape (n,).
+        dt: step [s].
+        steps: number of steps.
+        tolerance: largest change in the last repetition, relative to 1 plus the component.
+        max_iterations: repetitions before giving up.
+
+    Returns:
+        Times and states.
+
+    Raises:
+        ValueError: as for `euler`.
+        ArithmeticError: the repetition does not stand still: the step is too long.
+        FloatingPointError: as for `euler`.
+    """
+
+    def step(t: float, x: NDArray) -> NDArray:
+        rate = np.asarray(f(t, x))
+        new = x + dt * rate
+        for _ in range(max_iterations):
+            old, new = new, x + dt / 2 * (rate + f(t + dt, new))
+            if (np.abs(new - old) <= tolerance * (1 + np.abs(new))).all():
+                return new
+        raise ArithmeticError(
+            f"the trapezoidal rule did not settle in {max_iterations} repetitions at t = {t:.4g} s:"
+            f" take a step shorter than {dt:.4g} s"
+        )
+
+    return _roll_out(step, f, x0, dt, steps)
+
+
+def rk4(f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:
+    """The classical Runge-Kutta rule of fourth order.
+
+    Args:
+        f: rate of the state, f(t, x) of the shape of x.
+        x0: state at time 0, shape (n,).
+        dt: step [s].
+        steps: number of steps.
+
+    Returns:
+        Times and states.
+
+    Raises:
+        ValueError, FloatingPointError: as for `euler`.
+    """
+
+    def step(t: float, x: NDArray) -> NDArray:
+        k1 = np.asarray(f(t, x))
+        k2 = np.asarray(f(t + dt / 2, x + dt / 2 * k1))
+        k3 = np.asarray(f(t + dt / 2, x + dt / 2 * k2))
+        k4 = np.asarray(f(t + dt, x + dt * k3))
+        return x + dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+    return _roll_out(step, f, x0, dt, steps)
+
+
+def _roll_out(step: Callable, f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:
+    """Check the arguments, then repeat a step."""
+    x = _state(x0)
+    if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0:
+        raise ValueError(f"steps must be a whole number, 0 or more, got {steps!r}")
+    if not (np.isscalar(dt) and np.isfinite(dt) and dt > 0):
+        raise ValueError(f"dt must be a positive time in s, got {dt!r}")
+    rate = np.shape(f(0.0, x))
+    if rate != x.shape:
+        raise ValueError(f"the rate must have the shape of the state, {x.shape}, got {rate}")
+    t = dt * np.arange(steps + 1)
+    states = np.empty((steps + 1, x.size))
+    states[0] = x
+    for k in range(steps):
+        with np.errstate(over="ignore", invalid="ignore"):
+            states[k + 1] = x = step(t[k], x)
+        if not np.isfinite(x).all():
+            raise FloatingPointError(
+                f"the state is no longer finite at t = {t[k + 1]:.4g} s: take a step shorter than"
+                f" {dt:.4g} s"
+            )
+    return Rollout(t, states)
+
+
+def _state(x0: ArrayLike) -> NDArray:
+    try:
+        x = np.array(x0, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"x0 must be numbers, got {x0!r}") from error
+    if x.ndim != 1 or x.size == 0:
+        raise ValueError(f"x0 must be one row of numbers, got shape {x.shape}")
+    if not np.isfinite(x).all():
+        raise ValueError(f"x0 must be finite, got {x0!r}")
+    return x

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from backhoe import exercises
-from backhoe.check import Check
-from backhoe.exercise import Exercise, Mistake
+from backhoe.check import Check, Exercise, Mistake
 
 EXERCISES = [
     exercise for number in exercises.written() for exercise in exercises.lesson(number).values()

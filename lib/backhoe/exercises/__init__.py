@@ -8,8 +8,10 @@ from __future__ import annotations
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
-from backhoe.exercise import Exercise
+if TYPE_CHECKING:
+    from backhoe.check import Exercise
 
 __all__ = ["LESSONS", "find", "lesson", "written"]
 

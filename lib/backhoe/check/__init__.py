@@ -36,10 +36,12 @@ import inspect
 import os
 from functools import partial
 
-from backhoe import exercises, guard
-from backhoe.answers import ask, show
-from backhoe.diagnosis import diagnose, expected, is_untouched
-from backhoe.exercise import Exercise, Mistake, source_of
+from backhoe import exercises
+from backhoe.check import guard
+from backhoe.check.answers import ask, prepare
+from backhoe.check.diagnosis import diagnose, is_untouched
+from backhoe.check.exercise import Exercise, Mistake, source_of
+from backhoe.check.outcomes import show
 
 __all__ = ["Check", "Exercise", "Mistake", "check"]
 
@@ -102,7 +104,7 @@ class Check:
         elif callable(exercise.reference):
             function = source_of(exercise.reference)
             place = f"{function.__module__}.{function.__qualname__}"
-            print(f"exercise {exercise.number}: one solution is the library's own {place}:\n")
+            print(f"exercise {exercise.number}: one solution, {place}:\n")
             print(inspect.getsource(function).rstrip())
         else:
             print(f"exercise {exercise.number}: the answer is {show(exercise.reference)}")
@@ -121,21 +123,22 @@ class Check:
                 print(f"  {number:<5} {state:<13} {exercise.title}")
 
     def _judge(self, exercise: Exercise, answer: object) -> tuple[str, bool]:
-        cases = exercise.inputs()
-        references = expected(exercise, cases, exercise.reference)
+        trial = prepare(exercise)
         try:
-            asked = guard.run(partial(ask, answer, exercise, cases, references), exercise.timeout)
+            trial = guard.run(partial(ask, answer, trial), exercise.timeout)
         except guard.OutOfTime as out:
             verdict = f"not yet: no answer after {exercise.timeout:g} s; is there an endless loop?"
             if not out.stopped:
                 verdict += " It cannot be stopped: restart the kernel"
             return verdict, False
-        if is_untouched(asked):
+        if is_untouched(trial):
             return "not done yet", False
-        diagnosis = diagnose(exercise, asked, cases, references)
+        diagnosis = diagnose(trial)
         if diagnosis:
             return f"not yet: {diagnosis}", False
-        tested = exercise.tested_on or (f"{len(cases)} inputs" if cases[0] else "")
+        tested = exercise.tested_on
+        if exercise.asks_for_a_function and not tested:
+            tested = f"{len(trial.cases)} inputs"
         return f"right ({tested})" if tested else "right", True
 
 

@@ -76,6 +76,11 @@ class Exercise:
             raise ValueError(
                 f"exercise {self.number}: the reference is a lambda; name it, its source is shown"
             )
+        functions = (self.reference, *(mistake.wrong for mistake in self.mistakes))
+        if self.cases is not None and not all(map(callable, functions)):
+            raise ValueError(
+                f"exercise {self.number} has cases: its reference and mistakes must be functions"
+            )
 
     @property
     def asks_for_a_function(self) -> bool:
@@ -86,12 +91,15 @@ class Exercise:
         """The argument tuples to try, the same at every call; one empty tuple for a value.
 
         Raises:
+            ValueError: there are no cases.
             TypeError: a case is not a tuple of arguments.
         """
         if self.cases is None:
             return [()]
         lesson, place = self.number.split(".")
         cases = list(self.cases(np.random.default_rng([int(lesson), int(place)])))
+        if not cases:
+            raise ValueError(f"exercise {self.number}: no cases to try")
         for case in cases:
             if not isinstance(case, tuple):
                 raise TypeError(

@@ -1,0 +1,1 @@
+"""Formulas as the sources print them, mistakes included: for study, never for the machine."""

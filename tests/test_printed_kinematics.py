@@ -27,12 +27,6 @@ def wrong_entries(print_, right):
     return {(int(row) + 1, int(column) + 1) for row, column in np.argwhere(wrong)}
 
 
-def pose_jacobian(q):
-    J = kinematics.jacobian(q, "stick")[..., :4, :].copy()
-    J[..., 3, :] = (0.0, 0.0, 0.0, 1.0)
-    return J
-
-
 @pytest.mark.parametrize(
     "link, wrong",
     [(0, set()), (1, set()), (2, {(1, 2), (1, 3), (2, 3), (3, 2)}), (3, {(1, 3), (2, 3)})],
@@ -85,11 +79,11 @@ def test_24_has_unbounded_gain_where_damped_least_squares_stays_below_its_bound(
     damping = 0.1
 
     def shifted(stick):
-        J = pose_jacobian(np.array([-np.pi / 2, 0.3, stick, 0.0]))
+        J = kinematics.task_jacobian(np.array([-np.pi / 2, 0.3, stick, 0.0]))
         return np.linalg.det(J + damping**2 * np.eye(4))
 
     near_stretched = brentq(shifted, np.radians(80), np.radians(95), xtol=1e-15)
-    J = pose_jacobian(np.array([-np.pi / 2, 0.3, near_stretched, 0.0]))
+    J = kinematics.task_jacobian(np.array([-np.pi / 2, 0.3, near_stretched, 0.0]))
     gain = np.linalg.norm(printed.inverse_24(J, damping), 2)
     dls = np.linalg.norm(J.T @ np.linalg.inv(J @ J.T + damping**2 * np.eye(4)), 2)
     assert gain > 1e6 and dls <= 0.5 / damping + 1e-12
@@ -97,7 +91,7 @@ def test_24_has_unbounded_gain_where_damped_least_squares_stays_below_its_bound(
 
 def test_the_three_members_of_25_are_three_different_matrices(rng):
     damping = 0.05
-    J = pose_jacobian(rng.uniform(BACKHOE.lower, BACKHOE.upper, 4))
+    J = kinematics.task_jacobian(rng.uniform(BACKHOE.lower, BACKHOE.upper, 4))
     U, sigma, Vt = np.linalg.svd(J)
     right_side = (Vt.T * (sigma / (sigma**2 + damping**2))) @ U.T
     left, middle = printed.inverse_24(J, damping), printed.inverse_25(J, damping)

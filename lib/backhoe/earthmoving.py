@@ -11,12 +11,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import exp, isfinite, pi, radians, sin, tan
+from math import exp, hypot, isfinite, pi, radians, tan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["LOAM", "SOURCES", "SoilParameters", "bearing_capacity", "cutting_factors", "wedge"]
+__all__ = [
+    "LOAM",
+    "SOURCES",
+    "SoilParameters",
+    "bearing_capacity",
+    "cutting_factors",
+    "failure_angle",
+    "wedge",
+]
 
 SHALLOWEST_RAKE = radians(15)
 STEEPEST_RAKE = radians(100)
@@ -45,7 +53,7 @@ class SoilParameters:
     """
 
     density: float = 1600.0
-    cohesion: float = 5000.0
+    cohesion: float = 6000.0
     friction: float = radians(33)
     tool_friction: float = radians(22)
     adhesion: float = 500.0
@@ -194,12 +202,14 @@ def cutting_factors(alpha: ArrayLike, soil: SoilParameters) -> NDArray:
 
 
 def bearing_capacity(depth: float, soil: SoilParameters, gravity: float) -> float:
-    """Pressure under which a strip footing sinks at `depth` [m]: c N_c + rho g d N_q [Pa].
+    """Pressure under which a strip footing sinks at `depth` [m] in loose soil [Pa].
 
-    N_q = exp(pi tan phi) tan^2(pi/4 + phi/2) and N_c = (N_q - 1) cot phi (Prandtl, Reissner).
+    c' N_c + rho g d N_q with N_q = exp(pi tan phi') tan^2(pi/4 + phi'/2), N_c = (N_q - 1) cot phi'
+    (Prandtl, Reissner). Loose soil fails locally before its strength is used up everywhere:
+    c' = 2/3 c and tan phi' = 2/3 tan phi (Terzaghi).
     """
-    slope = tan(soil.friction)
-    flow = (1 + sin(soil.friction)) / (1 - sin(soil.friction))
-    n_q = exp(pi * slope) * flow
+    slope = 2 / 3 * tan(soil.friction)
+    sine = slope / hypot(1.0, slope)
+    n_q = exp(pi * slope) * (1 + sine) / (1 - sine)
     n_c = (n_q - 1) / slope
-    return soil.cohesion * n_c + soil.density * gravity * max(depth, 0.0) * n_q
+    return 2 / 3 * soil.cohesion * n_c + soil.density * gravity * max(depth, 0.0) * n_q

@@ -9,7 +9,7 @@ bucket's tip.
 
 from __future__ import annotations
 
-from math import ceil, floor, inf, sqrt
+from math import ceil, cos, floor, inf, sin, sqrt
 
 import numpy as np
 from numba import njit
@@ -134,8 +134,8 @@ def height_at(heights, grid, x, y):
 
 
 @njit(cache=True)
-def pour(heights, grid, box, bed, bed_grid, bed_box, start, end, z, volume, points):
-    """Let a volume fall evenly along the line start-end at height z: into the bed, else the ground.
+def pour(heights, grid, box, over_bed, bed, bed_grid, bed_box, start, end, z, volume, points):
+    """Let a volume fall evenly along the line start-end from height z: into the bed, else past it.
 
     Returns the volume that missed the map.
     """
@@ -144,7 +144,7 @@ def pour(heights, grid, box, bed, bed_grid, bed_box, start, end, z, volume, poin
         part = (k + 0.5) / points
         x = start[0] + part * (end[0] - start[0])
         y = start[1] + part * (end[1] - start[1])
-        if bed.size > 0 and -inf < height_at(bed, bed_grid, x, y) < z:
+        if over_bed and -inf < height_at(bed, bed_grid, x, y) < z:
             drop_on(bed, bed_grid, x, y, share, bed_box)
         elif not drop_on(heights, grid, x, y, share, box):
             missed += share
@@ -206,23 +206,37 @@ def footprint(shape, grid, tip, heading, u_low, u_high, across):
 
 
 @njit(cache=True)
-def dig(heights, base, ceiling, grid, box, shell_u, shell_z, last, tip, heading, half, give):
+def turned(profile, pitch):
+    """The shell's profile, shape (n, 2), at a pitch: u and z from the tip, each of shape (n,)."""
+    c, s = cos(pitch), sin(pitch)
+    u, z = np.empty(len(profile)), np.empty(len(profile))
+    for k in range(len(profile)):
+        u[k] = profile[k, 0] * c - profile[k, 1] * s
+        z[k] = profile[k, 0] * s + profile[k, 1] * c
+    return u, z
+
+
+@njit(cache=True)
+def dig(heights, base, ceiling, grid, box, profile, last, tip, heading, pitch, half, give):
     """Move the bucket from tip position `last` to `tip` through the soil of one map.
 
     The edge, 2 `half` wide, cuts each cell that it passes down to its path. Under the shell soil
-    may stand up to `give` into the wall (elastic), what is above is pressed out. Room under the
-    shell becomes the soil's ceiling.
+    may stand up to `give` into the wall (elastic), what is above is pressed out. The room left
+    under the shell becomes the soil's ceiling.
 
     Returns:
-        volume cut by the edge, volume pressed out by the shell [m^3], area in contact [m^2], mean
-        depth of the contact [m], and the covered rows and columns.
+        volume cut by the edge and volume pressed out by the shell [m^3]; area [m^2], mean depth and
+        mean u [m] of the contact; least and greatest u of the shell [m]; covered rows and columns.
     """
     x0, y0, cell = grid
+    shell_u, shell_z = turned(profile, pitch)
+    u_low, u_high = shell_u.min(), shell_u.max()
     back = (last[0] - tip[0]) * heading[0] + (last[1] - tip[1]) * heading[1]
     aside = (last[0] - tip[0]) * heading[1] - (last[1] - tip[1]) * heading[0]
-    u_low, u_high = min(shell_u.min(), back), max(shell_u.max(), back)
-    covered = footprint(heights.shape, grid, tip, heading, u_low, u_high, half + abs(aside))
-    cut, pressed, contact, depth = 0.0, 0.0, 0, 0.0
+    covered = footprint(
+        heights.shape, grid, tip, heading, min(u_low, back), max(u_high, back), half + abs(aside)
+    )
+    cut, pressed, cells, depth, lever = 0.0, 0.0, 0, 0.0, 0.0
     for i in range(covered[0], covered[1]):
         for j in range(covered[2], covered[3]):
             dx, dy = x0 + j * cell - tip[0], y0 + i * cell - tip[1]
@@ -237,21 +251,24 @@ def dig(heights, base, ceiling, grid, box, shell_u, shell_z, last, tip, heading,
                     grow(box, i, j, 2, heights.shape)
             if abs(v) > half:
                 continue
-            wall = underside(shell_u, shell_z, u)
+            wall = tip[2] + underside(shell_u, shell_z, u)
             if wall == inf:
                 continue
             ceiling[i, j] = max(wall, base[i, j])
             overlap = heights[i, j] - ceiling[i, j]
             if overlap > 0.0:
-                contact += 1
+                cells += 1
                 depth += min(overlap, give)
-                if overlap > give:
-                    pressed += overlap - give
-                    heights[i, j] -= overlap - give
-                    grow(box, i, j, 2, heights.shape)
+                lever += u
+            if overlap > give:
+                pressed += overlap - give
+                heights[i, j] -= overlap - give
+            if overlap > -cell:
+                grow(box, i, j, 2, heights.shape)
     area = cell * cell
-    mean = depth / contact if contact > 0 else 0.0
-    return cut * area, pressed * area, contact * area, mean, covered
+    if cells > 0:
+        depth, lever = depth / cells, lever / cells
+    return cut * area, pressed * area, cells * area, depth, lever, u_low, u_high, covered
 
 
 @njit(cache=True)

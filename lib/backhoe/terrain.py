@@ -128,6 +128,11 @@ class Terrain:
         return tuple(np.meshgrid(x, y))
 
     @property
+    def frame(self) -> tuple[float, float, float]:
+        """Position of the first height and the spacing, (x, y, cell) [m]."""
+        return (*self.origin, self.cell)
+
+    @property
     def volume(self) -> float:
         """Soil above the floor, or above z = 0 where there is none [m^3]."""
         thickness = self.heights - self.floor if self.has_floor else self.heights
@@ -216,7 +221,7 @@ class Terrain:
         return first_row >= end_row or first_column >= end_column
 
     def steepness(self) -> NDArray:
-        """Length of the downhill gradient of each cell, the slope that slides, shape (ny, nx) [1]."""
+        """Length of the downhill gradient of each cell, shape (ny, nx) [1]: what slides."""
         h = self.heights
         drop = np.zeros((2, *h.shape))
         for axis in (0, 1):

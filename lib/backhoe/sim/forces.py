@@ -24,6 +24,7 @@ STOP_TRAVEL = 0.02
 STOP_DAMPING = 0.4
 """Damping ratio of a stop, with the smallest inertia that the joint can feel."""
 
+
 def parameters(machine: Machine, friction: bool) -> NDArray:
     """The machine's numbers as the one record that the compiled functions read, shape (1,)."""
     boom, stick, bucket = machine.links
@@ -84,7 +85,7 @@ def push(
     dq,
     torque,
     belt_command,
-    soil_force,
+    soil,
     dt,
     parameters,
     patches,
@@ -100,7 +101,7 @@ def push(
         q, dq: coordinates x, y, yaw, swing, boom, stick, bucket and their rates, shape (7,).
         torque: wanted joint torques, shape (4,) [N m].
         belt_command: wanted speed of the left and right belt, shape (2,) [m/s].
-        soil_force: on the bucket's tip, in the world, shape (3,) [N].
+        soil: force on the bucket's tip in the world [N] and moment raising its pitch [N m], (4,).
         dt: step [s].
         parameters: from `parameters`.
         patches: from `tracks.patch_positions`.
@@ -116,9 +117,9 @@ def push(
     p = parameters[0]
     _joint_torques(q, dq, torque, p, applied, out)
     points = _arm_points(q, p)
-    _tip_force(q, soil_force, points, p, out)
-    mass, centre_x, centre_y = _standing_on(q, soil_force, points, p)
-    weight = mass * p.gravity - soil_force[2]
+    _tip_force(q, soil, points, p, out)
+    mass, centre_x, centre_y = _standing_on(q, soil, points, p)
+    weight = mass * p.gravity - soil[2]
     tracks.patch_loads(patches, weight, centre_x, centre_y, loads)
     tracks.run_belts(belts, belt_command, p.belt_speed, p.belt_acceleration, dt)
 
@@ -205,7 +206,7 @@ def _arm_points(q, p):
 
 @njit(cache=True)
 def _tip_force(q, force, points, p, out):
-    """J^T of a force in the world on the tip, into out."""
+    """J^T of a force and moment of the soil at the tip, into out."""
     r2, z2, r3, z3, r4, z4, r, z, _ = points
     heading = q[2] + q[3] + np.pi / 2
     out_x, out_y = np.cos(heading), np.sin(heading)
@@ -216,9 +217,9 @@ def _tip_force(q, force, points, p, out):
     out[1] = force[1]
     out[2] = x * force[1] - y * force[0]
     out[3] += r * (force[1] * out_x - force[0] * out_y)
-    out[4] += (r - r2) * force[2] - (z - z2) * outwards
-    out[5] += (r - r3) * force[2] - (z - z3) * outwards
-    out[6] += (r - r4) * force[2] - (z - z4) * outwards
+    out[4] += (r - r2) * force[2] - (z - z2) * outwards + force[3]
+    out[5] += (r - r3) * force[2] - (z - z3) * outwards + force[3]
+    out[6] += (r - r4) * force[2] - (z - z4) * outwards + force[3]
 
 
 @njit(cache=True)
@@ -235,7 +236,8 @@ def _standing_on(q, force, points, p):
         p.house_mass * p.house_com_x
         + p.boom_mass * (r2 + p.boom_com_radius * np.cos(q[4] + p.boom_com_angle))
         + p.stick_mass * (r3 + p.stick_com_radius * np.cos(boom + q[5] + p.stick_com_angle))
-        + bucket_mass * (r4 + p.bucket_com_radius * np.cos(boom + stick + q[6] + p.bucket_com_angle))
+        + bucket_mass
+        * (r4 + p.bucket_com_radius * np.cos(boom + stick + q[6] + p.bucket_com_angle))
     )
     leftwards = p.house_mass * p.house_com_y
     swing_x, swing_y = np.cos(q[3] + np.pi / 2), np.sin(q[3] + np.pi / 2)
@@ -250,6 +252,6 @@ def _standing_on(q, force, points, p):
     tip_x, tip_y = p.base_offset + r * swing_x, r * swing_y
     return (
         mass,
-        (moment_x * p.gravity + z * push_x - tip_x * force[2]) / weight,
-        (moment_y * p.gravity + z * push_y - tip_y * force[2]) / weight,
+        (moment_x * p.gravity + z * push_x - tip_x * force[2] - force[3] * swing_x) / weight,
+        (moment_y * p.gravity + z * push_y - tip_y * force[2] - force[3] * swing_y) / weight,
     )

@@ -112,7 +112,7 @@ class Loop:
 
     @property
     def soil_force(self) -> NDArray:
-        return self._soil_force.copy()
+        return self._soil[:3].copy()
 
     def step(self, torque: ArrayLike, belts: ArrayLike = (0.0, 0.0)) -> None:
         """Advance by one step of 1 ms.
@@ -162,7 +162,7 @@ class Loop:
             raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
         self._ticks = 0
         self._applied, self._forces = np.zeros(4), np.zeros(7)
-        self._soil_force = np.zeros(3)
+        self._soil = np.zeros(4)
         self._belts, self._loads = np.zeros(2), np.zeros(len(self._patches))
         self._sheared = np.zeros_like(self._patches)
         self.ground = _ground(self.machine, self.scene, self.seed) if self._soil_wanted else None
@@ -244,7 +244,7 @@ class Loop:
             self._q,
             self._dq,
             self._applied,
-            self._soil_force,
+            self._soil,
             self._belts,
             self._loads,
             self._sheared,
@@ -256,7 +256,7 @@ class Loop:
             self._dq,
             torque,
             belts,
-            self._soil_force,
+            self._soil,
             self.dt,
             self._parameters,
             self._patches,
@@ -271,10 +271,12 @@ class Loop:
         """Let the soil move on at 100 Hz and feel it at 1 kHz."""
         T_world_tip, velocity = forces.tip_motion(self._q, self._dq, self._parameters)
         if self._ticks % TICKS_PER_DIG == 0:
-            self._soil_force = self.ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
+            self._soil[:3] = self.ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
+            self._soil[3] = self.ground.moment
             self._load(self.ground.payload)
         elif T_world_tip[2, 3] - self.machine.bucket.length < self.ground.terrain.top:
-            self._soil_force = self.ground.force(T_world_tip[:3, 3], velocity)
+            self._soil[:3] = self.ground.force(T_world_tip[:3, 3], velocity)
+            self._soil[3] = self.ground.moment
 
     def _load(self, payload: float) -> None:
         if payload != self._parameters["payload"][0] or self._ticks == 0:
@@ -299,8 +301,7 @@ def _start(q: ArrayLike | None) -> NDArray:
 def _complain(torque: NDArray, belts: NDArray) -> None:
     if torque.shape != (4,):
         raise ValueError(
-            "torque must be 4 numbers (swing, boom, stick, bucket) [N m], "
-            f"got shape {torque.shape}"
+            f"torque must be 4 numbers (swing, boom, stick, bucket) [N m], got shape {torque.shape}"
         )
     if belts.shape != (2,):
         raise ValueError(f"belts must be 2 speeds (left, right) [m/s], got shape {belts.shape}")
@@ -314,6 +315,11 @@ def _ground(machine: Machine, scene: Scene, seed: int) -> Ground:
     truck, bed = scene.truck, None
     if truck is not None:
         bed = Terrain.bed(
-            (truck.x, truck.y), truck.bed_length, truck.bed_width, truck.floor, truck.wall, scene.cell
+            (truck.x, truck.y),
+            truck.bed_length,
+            truck.bed_width,
+            truck.floor,
+            truck.wall,
+            scene.cell,
         )
     return Ground(terrain, bed, machine=machine, hold=STEP)

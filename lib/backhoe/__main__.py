@@ -1,0 +1,52 @@
+"""The command `backhoe`: `lab` opens the lessons, `doctor` checks, `lessons` exports."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+__all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code: 0 when all is well.
+
+    Args:
+        arguments: what follows `backhoe` on the command line; the process's own if None.
+    """
+    parser = argparse.ArgumentParser(prog="backhoe", description="The Backhoe robotics course.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    commands.add_parser("lab", help="open JupyterLab on the tour; further arguments go to it")
+    commands.add_parser("doctor", help="check this machine and name the fix for what is missing")
+    lessons = commands.add_parser("lessons", help="export pages that need no network")
+    lessons.add_argument("--output", help="folder to make (default: build/lessons)")
+    options, further = parser.parse_known_args(arguments)
+    if further and options.command != "lab":
+        parser.error(f"unrecognised arguments: {' '.join(further)}")
+
+    if options.command == "lab":
+        from backhoe import workspace
+
+        return workspace.open_lab(further)
+    if options.command == "doctor":
+        from backhoe import doctor
+
+        return doctor.report(doctor.examine())
+    return _lessons(options.output)
+
+
+def _lessons(output: str | None) -> int:
+    from backhoe import lessons
+
+    try:
+        folder = lessons.build(output)
+    except (ModuleNotFoundError, FileExistsError, FileNotFoundError, RuntimeError) as error:
+        print(f"backhoe lessons: {error}", file=sys.stderr)
+        return 1
+    print(f"open {folder / 'index.html'}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,44 @@
+"""How `backhoe lessons` turns the notebooks into pages that need no network."""
+
+from myst_nb.core.render import NbElementRenderer
+
+project = "Backhoe"
+author = "the Backhoe maintainers"
+project_copyright = "the Backhoe maintainers, CC BY 4.0"
+language = "en"
+
+extensions = ["myst_nb"]
+exclude_patterns = ["_static", "**.ipynb_checkpoints"]
+myst_enable_extensions = ["amsmath", "colon_fence", "dollarmath"]
+myst_heading_anchors = 3
+
+WIDGET = "application/vnd.jupyter.widget-view+json"
+nb_execution_mode = "off"
+nb_merge_streams = True
+nb_ipywidgets_js = {}
+nb_mime_priority_overrides = [("html", WIDGET, None)]
+
+html_theme = "furo"
+html_title = "Backhoe"
+html_static_path = ["_static"]
+html_css_files = ["lessons.css"]
+html_copy_source = False
+html_show_search_summary = False  # a page opened from disk may not fetch its neighbours
+html_show_sourcelink = False
+mathjax_path = "mathjax/tex-svg-full.js"
+
+_render_image = NbElementRenderer.render_image
+
+
+def _render_image_with_text(renderer, data):
+    """The image as myst-nb makes it, with the text that `plots.show` stores beside it."""
+    images = _render_image(renderer, data)
+    outputs = renderer.renderer.nb_client.code_cell_outputs(data.cell_index)[1]
+    text = outputs[data.output_index]["data"].get("text/plain", "")
+    for image in images:
+        image.setdefault("alt", text)
+    return images
+
+
+def setup(app):
+    NbElementRenderer.render_image = _render_image_with_text

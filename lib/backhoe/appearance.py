@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe import shapes
-from backhoe.machine import BACKHOE, Machine
+from backhoe.kinematics import link_transforms
+from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.shapes import Mesh, beam, box, cylinder, join, mirror, prism
 from backhoe.sim.scene import Truck
 
-__all__ = ["Visual", "bucket_load", "truck_visuals", "visuals"]
+__all__ = ["Strut", "Visual", "bucket_load", "struts", "truck_visuals", "visuals"]
 
 Colour = tuple[float, float, float, float]
 YELLOW: Colour = (0.96, 0.71, 0.08, 1.0)
@@ -40,6 +40,22 @@ class Visual:
     colour: Colour
 
 
+@dataclass(frozen=True)
+class Strut:
+    """A hydraulic cylinder between a point of one link's frame and a point of another's, (3,) [m].
+
+    The barrel lies along +x from `base`, the rod along -x from `tip`: place each at its point with
+    x in the direction from `base` to `tip`.
+    """
+
+    base_link: str
+    base: NDArray
+    tip_link: str
+    tip: NDArray
+    barrel: Visual
+    rod: Visual
+
+
 def visuals(machine: Machine = BACKHOE) -> dict[str, tuple[Visual, ...]]:
     """The machine's meshes by link: undercarriage, swing, boom, stick, bucket.
 
@@ -58,12 +74,80 @@ def _visual(colour: Colour, *meshes: Mesh) -> Visual:
     return Visual(*join(*meshes), colour)
 
 
+def struts(machine: Machine = BACKHOE) -> tuple[Strut, ...]:
+    """The hydraulic cylinders: two of the boom, one of the stick, one of the bucket."""
+    width = 0.13 * machine.tracks.gauge + 0.07
+    knee = (-0.54 * machine.boom.length, 0.125 * machine.boom.length)
+    foot = (0.42, -0.16)
+    size = machine.boom.length / 5.1
+    return (
+        *[
+            _strut(
+                "swing", (*foot, side * width), "boom", (*knee, side * width), 0.085 * size, machine
+            )
+            for side in (-1, 1)
+        ],
+        _strut(
+            "boom",
+            (*_stick_cylinder_mount(machine), 0.0),
+            "stick",
+            (*_stick_tail(machine), 0.0),
+            0.085 * size,
+            machine,
+        ),
+        _strut(
+            "stick",
+            (*_bucket_cylinder_mount(machine), 0.0),
+            "bucket",
+            (*_bucket_lug(machine), 0.0),
+            0.07 * size,
+            machine,
+        ),
+    )
+
+
+def _strut(
+    base_link: str, base: tuple, tip_link: str, tip: tuple, radius: float, machine: Machine
+) -> Strut:
+    moved = JOINTS.index(tip_link)
+    q = np.zeros((25, 4))
+    q[:, moved] = np.linspace(machine.lower[moved], machine.upper[moved], len(q))
+    T = dict(zip(JOINTS, np.moveaxis(link_transforms(q, machine=machine), -3, 0), strict=True))
+    ends = T[tip_link] @ [*tip, 1.0] - T[base_link] @ [*base, 1.0]
+    shortest = float(np.linalg.norm(ends, axis=-1).min())
+    barrel = _visual(DARK, cylinder((-0.1 * shortest / 2, 0, 0), (0.92 * shortest, 0, 0), radius))
+    rod = _visual(STEEL, cylinder((-0.9 * shortest, 0, 0), (0.02, 0, 0), 0.55 * radius, 10))
+    return Strut(base_link, np.array(base), tip_link, np.array(tip), barrel, rod)
+
+
+def _stick_cylinder_mount(machine: Machine) -> NDArray:
+    """Where the stick's cylinder stands on the boom, in the boom's frame (x, y) [m]."""
+    return np.array([-0.56, 0.235]) * machine.boom.length
+
+
+def _stick_tail(machine: Machine) -> NDArray:
+    """Where the stick's cylinder pulls, in the stick's frame (x, y) [m]."""
+    return np.array([-1.25, 0.11]) * machine.stick.length
+
+
+def _bucket_cylinder_mount(machine: Machine) -> NDArray:
+    """Where the bucket's cylinder stands on the stick, in the stick's frame (x, y) [m]."""
+    return np.array([-0.94, 0.31]) * machine.stick.length
+
+
+def _bucket_lug(machine: Machine) -> NDArray:
+    """Where the bucket's cylinder pushes, in the bucket's frame (x, y) [m]."""
+    return np.array([-machine.bucket.length - 0.17, 0.17])
+
+
 def _undercarriage(machine: Machine) -> tuple[Visual, ...]:
     tracks, base = machine.tracks, machine.base
     y, half_shoe = tracks.gauge / 2, tracks.shoe_width / 2
     radius = tracks.height / 2
     belt = _side(_stadium(tracks.length / 2, radius), y - half_shoe, y + half_shoe)
-    frame = _side(_stadium(tracks.length / 2, radius * 0.55), y - 0.7 * half_shoe, y + 1.12 * half_shoe)
+    frame = _side(
+        _stadium(tracks.length / 2, radius * 0.55), y - 0.7 * half_shoe, y + 1.12 * half_shoe
+    )
     hubs = [
         cylinder((x, y + 1.1 * half_shoe, radius), (x, y + 1.3 * half_shoe, radius), 0.4 * radius)
         for x in (-tracks.length / 2, tracks.length / 2)
@@ -142,9 +226,14 @@ def _house(machine: Machine) -> tuple[Visual, ...]:
             DARK,
             box((rear + 0.6, floor, -side + 0.02), (front - 0.05, deck, side - 0.02)),
             cylinder((axis, -swing.height, 0), (axis, floor + 0.01, 0), 0.32 * tracks.gauge, 20),
-            cylinder((exhaust[0], deck + 0.8, exhaust[1]), (exhaust[0], deck + 1.3, exhaust[1]), 0.06),
-            prism([(x, y + 0.06) for x, y in cab_outline[1:4]] + cab_outline[3:0:-1],
-                  cab_out - 0.02, cab_in + 0.02),
+            cylinder(
+                (exhaust[0], deck + 0.8, exhaust[1]), (exhaust[0], deck + 1.3, exhaust[1]), 0.06
+            ),
+            prism(
+                [(x, y + 0.06) for x, y in cab_outline[1:4]] + cab_outline[3:0:-1],
+                cab_out - 0.02,
+                cab_in + 0.02,
+            ),
             *[
                 box((x, deck + 0.3, side - 0.01), (x + 0.06, deck + 0.66, side + 0.012))
                 for x in np.linspace(rear + 0.8, hood_front - 0.3, 7)
@@ -181,10 +270,7 @@ def _boom(machine: Machine) -> tuple[Visual, ...]:
     tangent = np.gradient(centre, axis=0)
     normal = np.c_[-tangent[:, 1], tangent[:, 0]] / np.linalg.norm(tangent, axis=1)[:, None]
     top, bottom = centre + half[:, None] * normal, centre - half[:, None] * normal
-    mount = top[5]
-    rod = 0.045 * length / 5.1
-    lug = mount + [0.0, 0.10]
-    barrel_end = np.array([-0.16 * length, 0.17 * length])
+    lug = _stick_cylinder_mount(machine)
     return (
         _visual(YELLOW, beam(top, bottom, -width, width)),
         _visual(
@@ -193,11 +279,15 @@ def _boom(machine: Machine) -> tuple[Visual, ...]:
             _pin((0.0, 0.0), 0.15 * length / 5.1, 1.5 * width),
             _pin(centre[6], 0.10 * length / 5.1, 1.25 * width),
             mirror(
-                prism([lug + [-0.16, -0.2], lug + [-0.05, 0.12], lug + [0.08, 0.1],
-                       lug + [0.2, -0.2]], 0.3 * width, 0.5 * width), 2),
-            cylinder((*lug, 0.0), (*barrel_end, 0.0), 2.1 * rod),
+                prism(
+                    lug + np.array([[-0.2, -0.22], [-0.07, 0.1], [0.07, 0.1], [0.2, -0.22]]),
+                    0.35 * width,
+                    0.6 * width,
+                ),
+                2,
+            ),
         ),
-        _visual(STEEL, cylinder((*lug, -0.6 * width), (*lug, 0.6 * width), 1.2 * rod)),
+        _visual(STEEL, _pin(lug, 0.055 * length / 5.1, 0.7 * width)),
     )
 
 
@@ -211,20 +301,17 @@ def _stick(machine: Machine) -> tuple[Visual, ...]:
     x = np.array([-length - tail, -length - 0.5 * tail, -length, -0.72 * length, 0.0])
     top = np.c_[x, np.array([0.16, 0.20, 0.21, 0.20, 0.085]) * length]
     bottom = np.c_[x, np.array([0.06, -0.06, -0.11, -0.12, -0.075]) * length]
-    pins = [(-length, 0.0), (0.0, 0.0), (-length - 0.9 * tail, 0.11 * length)]
-    barrel = [(-0.92 * length, 0.30 * length), (-0.42 * length, 0.22 * length)]
-    lug = [(-1.02 * length, 0.19 * length), (-0.96 * length, 0.34 * length),
-           (-0.88 * length, 0.33 * length), (-0.82 * length, 0.19 * length)]
+    pins = [(-length, 0.0), (0.0, 0.0), _stick_tail(machine)]
+    mount = _bucket_cylinder_mount(machine)
+    lug = mount + np.array([[-0.09, -0.13], [-0.05, 0.04], [0.05, 0.04], [0.09, -0.13]]) * length
     return (
         _visual(YELLOW, beam(top, bottom, -width, width)),
         _visual(
             DARK,
             *[_pin(pin, 0.07 * length, 1.4 * width) for pin in pins],
-            mirror(prism(lug, 0.35 * width, 0.6 * width), 2),
-            cylinder((*barrel[0], 0.0), (*barrel[1], 0.0), 0.045 * length),
+            mirror(prism(lug, 0.4 * width, 0.7 * width), 2),
         ),
-        _visual(STEEL, cylinder((*barrel[1], 0.0), (-0.10 * length, 0.16 * length, 0.0), 0.025 * length),
-                _pin((-0.10 * length, 0.16 * length), 0.045 * length, 0.8 * width)),
+        _visual(STEEL, _pin(mount, 0.03 * length, 0.8 * width)),
     )
 
 
@@ -250,11 +337,19 @@ def _bucket(machine: Machine) -> tuple[Visual, ...]:
         -half - plate,
         half + plate,
     )
-    ear = 0.12 * machine.tracks.gauge
+    ear, lug = 0.12 * machine.tracks.gauge, _bucket_lug(machine)
     ears = prism(
-        [(-length - 0.1, -0.03), (-length + 0.02, -0.12), (inside[-1, 0] + 0.12, 0.0),
-         (top[0] + 0.1, top[1]), (top[0] - 0.25, top[1] + 0.06), (-length - 0.02, 0.32)],
-        ear, ear + 0.05,
+        [
+            (-length - 0.09, -0.07),
+            (-length + 0.02, -0.12),
+            (inside[-1, 0] + 0.12, 0.0),
+            (top[0] + 0.1, top[1]),
+            (top[0] - 0.25, top[1] + 0.06),
+            (lug[0] - 0.02, lug[1] + 0.08),
+            (lug[0] - 0.09, lug[1]),
+        ],
+        ear,
+        ear + 0.05,
     )
     return (
         _visual(
@@ -268,7 +363,7 @@ def _bucket(machine: Machine) -> tuple[Visual, ...]:
             edge,
             *teeth,
             _pin((-length, 0.0), 0.07, ear + 0.07),
-            _pin((-length + 0.02, 0.24), 0.055, ear + 0.06),
+            _pin(lug, 0.055, ear + 0.06),
         ),
     )
 
@@ -352,11 +447,19 @@ def truck_visuals(truck: Truck | None) -> tuple[Visual, ...]:
         ],
     ]
     cab_outline = [
-        (cab, 0.75 * floor), (cab, floor + 1.45), (nose - 0.45, floor + 1.5), (nose - 0.12, floor + 0.65),
-        (nose, floor + 0.55), (nose, 0.5 * floor),
+        (cab, 0.75 * floor),
+        (cab, floor + 1.45),
+        (nose - 0.45, floor + 1.5),
+        (nose - 0.12, floor + 0.65),
+        (nose, floor + 0.55),
+        (nose, 0.5 * floor),
     ]
-    window = [(cab + 0.55, floor + 0.62), (cab + 0.55, floor + 1.25), (nose - 0.5, floor + 1.28),
-              (nose - 0.2, floor + 0.62)]
+    window = [
+        (cab + 0.55, floor + 0.62),
+        (cab + 0.55, floor + 1.25),
+        (nose - 0.5, floor + 1.28),
+        (nose - 0.2, floor + 0.62),
+    ]
     axles = (-half + 0.5, -half + 0.5 + 2.25 * wheel, cab + 0.75)
     parts = (
         _visual(BLUE, *bed),
@@ -367,42 +470,64 @@ def truck_visuals(truck: Truck | None) -> tuple[Visual, ...]:
         _visual(
             GLASS,
             _upright(window, -width - 0.012, width + 0.012),
-            _upright([(nose - 0.46, floor + 1.4), (nose - 0.14, floor + 0.68),
-                      (nose - 0.2, floor + 0.66), (nose - 0.5, floor + 1.36)][::1],
-                     -width + 0.15, width - 0.15),
+            _upright(
+                [
+                    (nose - 0.402, floor + 1.41),
+                    (nose - 0.132, floor + 0.71),
+                    (nose - 0.182, floor + 0.70),
+                    (nose - 0.452, floor + 1.40),
+                ],
+                -width + 0.12,
+                width - 0.12,
+            ),
         ),
         _visual(
             DARK,
-            *[box((-half, s * 0.45 - 0.1, 0.55 * floor), (nose - 0.3, s * 0.45 + 0.1, floor - wall))
-              for s in (-1, 1)],
+            *[
+                box(
+                    (-half, s * 0.45 - 0.1, 0.55 * floor),
+                    (nose - 0.3, s * 0.45 + 0.1, floor - wall),
+                )
+                for s in (-1, 1)
+            ],
             box((nose - 0.1, -width, 0.4 * floor), (nose + 0.08, width, 0.62 * floor)),
-            cylinder((cab - 0.12, -0.8 * width, floor), (cab - 0.12, -0.8 * width, floor + 1.9), 0.07),
+            cylinder(
+                (cab - 0.12, -0.8 * width, floor), (cab - 0.12, -0.8 * width, floor + 1.9), 0.07
+            ),
         ),
         _visual(
             RUBBER,
-            *[cylinder((x, s * (width - 0.38), wheel), (x, s * (width + 0.02), wheel), wheel, 18)
-              for x in axles for s in (-1, 1)],
+            *[
+                cylinder((x, s * (width - 0.38), wheel), (x, s * (width + 0.02), wheel), wheel, 18)
+                for x in axles
+                for s in (-1, 1)
+            ],
         ),
         _visual(
             STEEL,
-            *[cylinder((x, s * width, wheel), (x, s * (width + 0.035), wheel), 0.45 * wheel, 12)
-              for x in axles for s in (-1, 1)],
+            *[
+                box(
+                    (nose - 0.05, s * 0.78 * width - 0.13, 0.66 * floor),
+                    (nose + 0.015, s * 0.78 * width + 0.13, 0.80 * floor),
+                )
+                for s in (-1, 1)
+            ],
+            box(
+                (nose - 0.05, -0.45 * width, 0.72 * floor),
+                (nose + 0.012, 0.45 * width, floor + 0.35),
+            ),
+            *[
+                cylinder((x, s * width, wheel), (x, s * (width + 0.035), wheel), 0.45 * wheel, 12)
+                for x in axles
+                for s in (-1, 1)
+            ],
         ),
     )
-    return tuple(
-        Visual(part.vertices + [truck.x, truck.y, 0.0], part.faces, part.colour) for part in parts
-    )
+    place = np.array([truck.x, truck.y, 0.0])
+    return tuple(Visual(part.vertices + place, part.faces, part.colour) for part in parts)
 
 
 def _upright(outline: ArrayLike, near: float, far: float) -> Mesh:
     """An outline in the (x, z) plane of the world, from y = near to far."""
     vertices, faces = prism(outline, near, far)
     return vertices[:, [0, 2, 1]], faces[:, ::-1]
-
-
-def face_count(machine: Machine = BACKHOE) -> int:
-    """Triangles of the whole machine."""
-    return sum(len(part.faces) for parts in visuals(machine).values() for part in parts)
-
-
-__all__ += ["face_count", "shapes"]

@@ -67,10 +67,9 @@ class AnalyticWorld(Loop):
         K[:, 0] = moment * leftward - left * outward
         K[:, 1:] = np.outer(outward, slope)
         swept = 2 * w[0] * (slope @ w[1:])
-        dK_w = (
-            (w[1:] @ bend @ w[1:] - w[0] ** 2 * moment) * outward
-            + (swept - w[0] ** 2 * left) * leftward
-        )
+        dK_w = (w[1:] @ bend @ w[1:] - w[0] ** 2 * moment) * outward + (
+            swept - w[0] ** 2 * left
+        ) * leftward
         house_and_arm = machine.mass - machine.tracks.mass
         H = np.zeros((6, 6))
         H[0, 0] = H[1, 1] = house_and_arm

@@ -68,5 +68,7 @@ def connect() -> int:
     with silence():
         client = engine.connect(engine.DIRECT)
     if client < 0:
-        raise RuntimeError("PyBullet could not start another physics server: close some simulations")
+        raise RuntimeError(
+            "PyBullet could not start another physics server: close some simulations"
+        )
     return client

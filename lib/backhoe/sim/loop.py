@@ -214,6 +214,17 @@ class Loop:
     def __exit__(self, *error: object) -> None:
         self.close()
 
+    def render(self, *view: object, **options: object) -> NDArray:
+        """Only the PyBullet backend has cameras.
+
+        Raises:
+            RuntimeError: always, here.
+        """
+        raise RuntimeError(
+            f"the {self.backend} backend has no cameras: install PyBullet and open the world with "
+            'backend="pybullet", or watch a replay'
+        )
+
     # What a backend brings.
 
     def _integrate(self, pushed: NDArray) -> None:

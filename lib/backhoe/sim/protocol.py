@@ -66,6 +66,9 @@ class Simulation(Protocol):
     def restore(self, snapshot: object) -> None:
         """Go back to a snapshot of this simulation; what follows repeats bit for bit."""
 
+    def render(self, width: int = 640, height: int = 480, **view: object) -> NDArray:
+        """A picture, shape (height, width, 3), uint8; RuntimeError in a backend without cameras."""
+
     def close(self) -> None:
         """Release what the simulation holds; closing twice is allowed."""
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 __all__ = ["FLAT", "LOADING", "Heap", "Scene", "Truck"]
 
 ROUGHNESS = 0.03
-"""Height of the bumps on a heap [m]: they come from the seed, so that two heaps are not the same."""
+"""Height of the bumps on a heap [m]; they come from the seed."""
 
 
 @dataclass(frozen=True)

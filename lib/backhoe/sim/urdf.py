@@ -75,12 +75,18 @@ def urdf(
         )
     body = [link.xml((collision or {}).get(link.name)) for link in links]
     return "\n".join(
-        ['<?xml version="1.0"?>', '<robot name="backhoe">', '<link name="world"/>', *body, "</robot>"]
+        [
+            '<?xml version="1.0"?>',
+            '<robot name="backhoe">',
+            '<link name="world"/>',
+            *body,
+            "</robot>",
+        ]
     )
 
 
 def undercarriage_inertia(machine: Machine = BACKHOE) -> float:
-    """Yaw inertia of the undercarriage [kg m^2]: two slender tracks half the gauge off the middle."""
+    """Yaw inertia of the undercarriage [kg m^2]: two slender tracks, half a gauge off."""
     tracks = machine.tracks
     return tracks.mass * (tracks.length**2 / 12 + tracks.gauge**2 / 4)
 
@@ -101,19 +107,25 @@ class _UrdfLink:
 
     def xml(self, collision: Path | None) -> str:
         inertia = " ".join(
-            f'i{a}{b}="{self.inertia if a == b else 0.0!r}"' for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")
+            f'i{a}{b}="{self.inertia if a == b else 0.0!r}"'
+            for a, b in ("xx", "xy", "xz", "yy", "yz", "zz")
         )
         shape = (
             f'<collision><geometry><mesh filename="{collision}"/></geometry></collision>'
             if collision
             else ""
         )
-        limit = ' <limit lower="1" upper="-1" effort="0" velocity="0"/>' if self.kind == "prismatic" else ""
+        limit = (
+            ' <limit lower="1" upper="-1" effort="0" velocity="0"/>'
+            if self.kind == "prismatic"
+            else ""
+        )
         return (
             f'<link name="{self.name}"><inertial><origin xyz="{self.com!r} 0 0"/>'
             f'<mass value="{self.mass!r}"/><inertia {inertia}/></inertial>{shape}</link>\n'
             f'<joint name="{self.name}" type="{self.kind}"><parent link="{self.parent}"/>'
-            f'<child link="{self.name}"/><origin xyz="{_text(self.position)}" rpy="{_text(self.rpy)}"/>'
+            f'<child link="{self.name}"/>'
+            f'<origin xyz="{_text(self.position)}" rpy="{_text(self.rpy)}"/>'
             f'<axis xyz="{self.axis}"/>{limit}<dynamics damping="0" friction="0"/></joint>'
         )
 

@@ -8,10 +8,11 @@ articulated-body algorithm, and adds contacts.
 from __future__ import annotations
 
 import tempfile
+from math import pi, radians
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import JOINTS
 from backhoe.sim import bullet
@@ -29,6 +30,7 @@ class BulletWorld(Loop):
     backend = "pybullet"
 
     def _open(self) -> None:
+        self._renderer = None
         self._engine = bullet.pybullet()
         self._client = bullet.connect()
         engine, client = self._engine, self._client
@@ -64,7 +66,52 @@ class BulletWorld(Loop):
             physicsClientId=client,
         )
 
+    def render(
+        self,
+        width: int = 640,
+        height: int = 480,
+        eye: ArrayLike = (10.5, -8.5, 5.0),
+        target: ArrayLike = (2.4, 0.8, 1.5),
+        field_of_view: float = radians(45),
+        shadow: bool = True,
+        samples: int = 1,
+    ) -> NDArray:
+        """A picture of the scene as it is now, by PyBullet's software renderer.
+
+        Args:
+            width, height: size [pixels].
+            eye, target: where the camera is and looks at in the world, shape (3,) [m].
+            field_of_view: vertical [rad].
+            shadow: whether the sun casts shadows; takes about as long again.
+            samples: each pixel is the mean of samples x samples: 2 for smooth edges.
+
+        Returns:
+            Red, green and blue, shape (height, width, 3), uint8.
+
+        Raises:
+            ValueError: a size or angle out of range, eye and target at one place.
+            RuntimeError: the simulation is closed.
+        """
+        self._check_open()
+        for name, value in (("width", width), ("height", height), ("samples", samples)):
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise ValueError(f"{name} must be a whole number, 1 or more, got {value!r}")
+        if not 0 < field_of_view < pi:
+            raise ValueError(f"field_of_view must be between 0 and pi rad, got {field_of_view!r}")
+        eye, target = np.asarray(eye, dtype=float), np.asarray(target, dtype=float)
+        if eye.shape != (3,) or target.shape != (3,) or not np.isfinite([eye, target]).all():
+            raise ValueError(f"eye and target must be finite (x, y, z), got {eye} and {target}")
+        if np.allclose(eye[:2], target[:2]):
+            raise ValueError("eye must not be straight above, below or at the target")
+        if self._renderer is None:
+            from backhoe.sim.render import Renderer
+
+            self._renderer = Renderer(self)
+        return self._renderer.picture(width, height, eye, target, field_of_view, shadow, samples)
+
     def _shut(self) -> None:
+        if self._renderer is not None:
+            self._renderer.close()
         self._engine.disconnect(physicsClientId=self._client)
 
     def _integrate(self, pushed: NDArray) -> None:
@@ -86,7 +133,9 @@ class BulletWorld(Loop):
         self._dq = np.array(still + [state[1] for state in states])
 
     def _place(self, q: NDArray, dq: NDArray) -> None:
-        for index, angle, speed in zip(self._moving, q[self._first :], dq[self._first :], strict=True):
+        for index, angle, speed in zip(
+            self._moving, q[self._first :], dq[self._first :], strict=True
+        ):
             self._engine.resetJointState(
                 self._body, index, angle, speed, physicsClientId=self._client
             )
@@ -108,5 +157,3 @@ def _joints_by_name(engine: object, body: int, client: int) -> dict[str, int]:
         engine.getJointInfo(body, index, physicsClientId=client)[1].decode(): index
         for index in range(engine.getNumJoints(body, physicsClientId=client))
     }
-
-

@@ -1,0 +1,227 @@
+"""Driving the machine along way-points with the library's parts, or with a student's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backhoe import dynamics, kinematics, pid, sim
+from backhoe.machine import BACKHOE, JOINTS, Machine
+from backhoe.mission.parts import PARTS, WayPoint, hand_made_plan, smooth_trajectory
+
+LOG_EVERY = 10
+
+
+@dataclass
+class Run:
+    """What happened: the log at 100 Hz, the way-points, and what became of the soil.
+
+    `time` (n,) [s]; `q`, `q_ref` (n, 4) [rad]; `torque` (n, 4) [N m]; `bucket_volume`,
+    `truck_volume` (n,) [m^3]; `reached` (k, 4) against `wanted` (k, 4), stick's tip [m] and bucket
+    angle [rad] at each way-point; `soil_lost` is the largest change of the sum of all soil [m^3];
+    `swapped` names the student's parts.
+    """
+
+    swapped: tuple[str, ...]
+    cycles: int
+    machine: Machine
+    backend: str
+    waypoints: tuple[WayPoint, ...]
+    time: NDArray
+    q: NDArray
+    q_ref: NDArray
+    torque: NDArray
+    bucket_volume: NDArray
+    truck_volume: NDArray
+    soil_lost: float
+    wanted: NDArray
+    reached: NDArray
+    recorder: object = field(default=None, repr=False)
+
+    def replay(self, title: str = "Dig and load", alt: str = ""):
+        """The run as a 3D replay for the notebook; needs `record=True`."""
+        if self.recorder is None:
+            raise ValueError("this run was not recorded: call mission.run(record=True)")
+        return self.recorder.replay(title=title, alt=alt)
+
+
+def _checked(name: str, part: Callable, shape: tuple[int, ...]) -> Callable:
+    def call(*arguments: object) -> NDArray:
+        try:
+            value = np.asarray(part(*arguments), dtype=float)
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"your {name} failed: {error}. It is {PARTS[name].call}") from error
+        if value.shape != shape:
+            raise ValueError(
+                f"your {name} must return shape {shape}, got {value.shape}. "
+                f"It is {PARTS[name].call}"
+            )
+        if not np.isfinite(value).all():
+            raise ValueError(f"your {name} returned a value that is not finite: {value}")
+        return value
+
+    return call
+
+
+def _plan(plan: Callable, cycles: int) -> list[WayPoint]:
+    waypoints = [waypoint for cycle in range(cycles) for waypoint in plan(cycle)]
+    if not waypoints or not all(isinstance(waypoint, WayPoint) for waypoint in waypoints):
+        raise ValueError(f"plan must return a list of WayPoint. It is {PARTS['plan'].call}")
+    for waypoint in waypoints:
+        if not waypoint.time > 0:
+            raise ValueError(f"way-point {waypoint.name!r} needs a time above 0 s")
+    return waypoints
+
+
+def _within_speed(
+    waypoints: Sequence[WayPoint], times: NDArray, t: NDArray, dq: NDArray, machine: Machine
+) -> None:
+    excess = np.abs(dq) / machine.speed_limit
+    if excess.max() > 1.0:
+        sample, joint = np.unravel_index(excess.argmax(), excess.shape)
+        late = waypoints[min(np.searchsorted(times, t[sample]), len(times) - 1) - 1]
+        needed = ceil(10 * late.time * excess.max()) / 10
+        raise ValueError(
+            f"on the way to {late.name!r} the {JOINTS[joint]} would turn at "
+            f"{abs(dq[sample, joint]):.2f} rad/s, its limit is {machine.speed_limit[joint]:.2f}: "
+            f"give this way-point at least {needed:.1f} s"
+        )
+
+
+def run(
+    *,
+    plan: Callable | None = None,
+    inverse_kinematics: Callable | None = None,
+    gravity_torque: Callable | None = None,
+    controller: Callable | None = None,
+    trajectory: Callable | None = None,
+    cycles: int = 3,
+    world: sim.Simulation | None = None,
+    machine: Machine = BACKHOE,
+    backend: str = "auto",
+    record: bool = False,
+) -> Run:
+    """Dig and load with the library's parts, or with yours in their place.
+
+    Args:
+        plan, inverse_kinematics, gravity_torque, controller, trajectory: your parts; `PARTS` gives
+            the call of each. What is left out is the library's.
+        cycles: how many buckets.
+        world: a simulation to run in; without it one is opened and closed here.
+        machine: the machine, if no world is given.
+        backend: as in `sim.open_world`, if no world is given.
+        record: keep what the 3D replay needs.
+
+    Returns:
+        The run, with its log.
+
+    Raises:
+        ValueError: no cycles, a part that returns the wrong shape or values that are not finite,
+            a way-point that a joint cannot reach in its time.
+        TypeError: a part of an unknown name, or one that cannot be called.
+    """
+    if isinstance(cycles, bool) or not isinstance(cycles, int) or cycles < 1:
+        raise ValueError(f"cycles must be a whole number, 1 or more, got {cycles!r}")
+    given = {
+        "plan": plan,
+        "inverse_kinematics": inverse_kinematics,
+        "gravity_torque": gravity_torque,
+        "controller": controller,
+        "trajectory": trajectory,
+    }
+    swapped = tuple(name for name, part in given.items() if part is not None)
+    for name in swapped:
+        if not callable(given[name]):
+            raise TypeError(f"{name} must be a function: {PARTS[name].call}, got {given[name]!r}")
+    if world is not None:
+        return _drive(world, cycles, given, swapped, record)
+    with sim.open_world(machine, backend=backend) as opened:
+        return _drive(opened, cycles, given, swapped, record)
+
+
+def _drive(
+    world: sim.Simulation, cycles: int, given: dict, swapped: tuple[str, ...], record: bool
+) -> Run:
+    machine, dt = world.machine, world.dt
+    inverse, gravity, controller = _followers(given, machine)
+    waypoints = _plan(given["plan"] or hand_made_plan, cycles)
+    wanted = np.array([waypoint.target for waypoint in waypoints], dtype=float)
+    q_way = np.array([world.q.copy(), *(inverse(target.copy()) for target in wanted)])
+    times = np.cumsum([0.0, *(waypoint.time for waypoint in waypoints)])
+    t = np.arange(round(times[-1] / dt) + 1) * dt
+    q_ref, dq_ref = _reference(given["trajectory"] or smooth_trajectory, times, q_way, t)
+    _within_speed(waypoints, times, t, dq_ref, machine)
+
+    recorder = _recorder(world) if record else None
+    arrivals = {round(time / dt): index for index, time in enumerate(times[1:])}
+    reached = np.zeros_like(wanted)
+    log = []
+    for step in range(len(t)):
+        q, dq = world.q, world.dq
+        if step in arrivals:
+            reached[arrivals[step]] = kinematics.pose(q, machine=machine)
+        if step % LOG_EVERY == 0:
+            ground = world.ground
+            volumes = ground.bucket_volume, ground.truck_volume, ground.total_volume
+            log.append((q.copy(), world.torque.copy(), *volumes))
+            if recorder is not None:
+                recorder.capture()
+        world.step(controller(q_ref[step], dq_ref[step], q, dq, dt) + gravity(q))
+    q_log, torque_log, bucket, truck, total = map(np.array, zip(*log, strict=True))
+    return Run(
+        swapped=swapped,
+        cycles=cycles,
+        machine=machine,
+        backend=world.backend,
+        waypoints=tuple(waypoints),
+        time=t[::LOG_EVERY],
+        q=q_log,
+        q_ref=q_ref[::LOG_EVERY],
+        torque=torque_log,
+        bucket_volume=bucket,
+        truck_volume=truck,
+        soil_lost=float(np.abs(total - total[0]).max()),
+        wanted=wanted,
+        reached=reached,
+        recorder=recorder,
+    )
+
+
+def _followers(given: dict, machine: Machine) -> list[Callable]:
+    """Inverse kinematics, gravity torque and controller, each checked at every call."""
+    own = {
+        "inverse_kinematics": partial(kinematics.inverse_kinematics, machine=machine),
+        "gravity_torque": partial(dynamics.gravity_torque, machine=machine),
+        "controller": pid.PID(*pid.ARM_GAINS, machine.torque_limit),
+    }
+    for part in given.values():
+        if hasattr(part, "reset"):
+            part.reset()
+    return [_checked(name, given[name] or own[name], (4,)) for name in own]
+
+
+def _reference(
+    trajectory: Callable, times: NDArray, q_way: NDArray, t: NDArray
+) -> tuple[NDArray, NDArray]:
+    pair = trajectory(times, q_way, t)
+    if not (isinstance(pair, tuple) and len(pair) == 2):
+        call = PARTS["trajectory"].call
+        raise ValueError(f"your trajectory must return two arrays. It is {call}")
+    for name, value in zip(("angles", "speeds"), pair, strict=True):
+        if np.shape(value) != (len(t), 4) or not np.isfinite(value).all():
+            raise ValueError(
+                f"your trajectory's {name} must be finite and of shape {(len(t), 4)}, "
+                f"got {np.shape(value)}"
+            )
+    return np.asarray(pair[0], dtype=float), np.asarray(pair[1], dtype=float)
+
+
+def _recorder(world: sim.Simulation):
+    from backhoe import replay
+
+    return replay.Recorder(world)

@@ -1,0 +1,127 @@
+"""What the mission is made of: way-points, the parts and the call of each.
+
+The library's own plan and trajectory are here; the other parts are taught in lessons of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, radians, sin
+
+from numpy.typing import NDArray
+
+from backhoe.machine import BACKHOE
+
+
+@dataclass(frozen=True)
+class WayPoint:
+    """Where the stick's tip and the bucket should be, `time` seconds after the way-point before.
+
+    `target` is (x, y, z) of the stick's tip in the base frame [m] and the bucket joint's angle
+    [rad].
+    """
+
+    name: str
+    time: float
+    target: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the mission: its call, its units, and the lesson that builds it."""
+
+    call: str
+    meaning: str
+    lesson: str
+
+
+PARTS = {
+    "plan": Part(
+        "plan(cycle) -> list of WayPoint",
+        "way-points of dig cycle 0, 1, ...: stick's tip [m], bucket angle [rad], seconds",
+        "00",
+    ),
+    "inverse_kinematics": Part(
+        "inverse_kinematics(target) -> q",
+        "(x, y, z, bucket angle) [m, rad] to four joint angles [rad]",
+        "01",
+    ),
+    "gravity_torque": Part(
+        "gravity_torque(q) -> torque",
+        "torque that holds the empty arm still at q [rad], four values [N m]",
+        "02",
+    ),
+    "controller": Part(
+        "controller(q_ref, dq_ref, q, dq, dt) -> torque",
+        "joint torques [N m] from wanted and measured angles [rad] and speeds [rad/s]",
+        "03",
+    ),
+    "trajectory": Part(
+        "trajectory(times, q_way, t) -> q, dq",
+        "joint angles (n, 4) at times (n,) to angles and speeds (m, 4) at t (m,)",
+        "10",
+    ),
+}
+
+
+STROKE = (
+    ("reach out", 4.5, 6.5, 3.0, 72),
+    ("cut in", 1.8, 6.4, 1.9, 84),
+    ("pull", 2.4, 5.6, 1.55, 83),
+    ("curl", 2.0, 6.1, 0.6, 6),
+    ("lift", 2.5, 6.15, 2.0, -26),
+)
+"""Name, seconds, reach from the swing axis [m], height [m], bucket angle [deg] of the digging."""
+
+TIPPING = (("swing to the truck", 4.5, -26), ("tip out", 2.8, 100), ("empty", 0.5, 100))
+"""Name, seconds and bucket angle [deg] of what happens above the truck."""
+
+STRIPS = ((0.0, 0.0), (10.0, 0.2), (-10.0, 0.2))
+"""Direction [deg] from straight ahead and how much lower to cut [m], cycle after cycle."""
+
+CUTTING = ("cut in", "pull", "curl")
+OVER_TRUCK = (0.4, 5.7, 3.9)
+
+
+def hand_made_plan(cycle: int) -> list[WayPoint]:
+    """Way-points of one dig-and-load cycle, found by hand for the scene `sim.LOADING`.
+
+    Args:
+        cycle: 0, 1, 2, ...; three strips of the heap take turns.
+
+    Returns:
+        The way-points, from above the heap to the empty bucket over the truck.
+    """
+    direction, lower = STRIPS[cycle % len(STRIPS)]
+    cosine, sine = cos(radians(direction)), sin(radians(direction))
+    waypoints = []
+    for name, seconds, reach, height, bucket in STROKE:
+        x, y = BACKHOE.base.offset + reach * cosine, reach * sine
+        z = height - lower if name in CUTTING else height
+        waypoints.append(WayPoint(name, seconds, (x, y, z, radians(bucket))))
+    for name, seconds, bucket in TIPPING:
+        waypoints.append(WayPoint(name, seconds, (*OVER_TRUCK, radians(bucket))))
+    return waypoints
+
+
+def smooth_trajectory(times: NDArray, q_way: NDArray, t: NDArray) -> tuple[NDArray, NDArray]:
+    """Piecewise cubics through the way-points that never overshoot them (PCHIP).
+
+    Args:
+        times: increasing times of the way-points, shape (n,) [s].
+        q_way: joint angles there, shape (n, 4) [rad].
+        t: times asked for, shape (m,) [s].
+
+    Returns:
+        Joint angles and speeds at `t`, shapes (m, 4) [rad, rad/s].
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    path = PchipInterpolator(times, q_way, axis=0)
+    return path(t), path.derivative()(t)
+
+
+def parts() -> str:
+    """The parts that `run` takes, one a line: call, meaning, lesson."""
+    lines = (f"{part.call}\n    {part.meaning}; lesson {part.lesson}" for part in PARTS.values())
+    return "\n".join(lines)

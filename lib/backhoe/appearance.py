@@ -26,8 +26,9 @@ DARK: Colour = (0.17, 0.18, 0.20, 1.0)
 RUBBER: Colour = (0.10, 0.10, 0.11, 1.0)
 STEEL: Colour = (0.46, 0.47, 0.49, 1.0)
 GLASS: Colour = (0.42, 0.60, 0.68, 1.0)
-SOIL: Colour = (0.45, 0.32, 0.20, 1.0)
+SOIL: Colour = (0.52, 0.40, 0.28, 1.0)
 BLUE: Colour = (0.15, 0.33, 0.53, 1.0)
+WALL, CAB_GAP, CAB_LENGTH = 0.09, 0.45, 1.75
 LIGHT: Colour = (0.88, 0.89, 0.87, 1.0)
 
 
@@ -425,21 +426,43 @@ def _deeper_than(points: NDArray, depth: NDArray, level: float) -> NDArray:
     return np.array(kept)
 
 
+def truck_boxes(truck: Truck | None) -> tuple[tuple[NDArray, NDArray], ...]:
+    """The truck as boxes for contacts: lower and upper corners (3,) in the world [m].
+
+    The floor of the bed, its four walls and the cab, as they are drawn.
+    """
+    if truck is None:
+        return ()
+    place = np.array([truck.x, truck.y, 0.0])
+    return tuple((place + lower, place + upper) for lower, upper in _bed_and_cab(truck))
+
+
+def _bed_and_cab(truck: Truck) -> tuple[tuple[tuple[float, ...], tuple[float, ...]], ...]:
+    half, width, wall = truck.bed_length / 2, truck.bed_width / 2, WALL
+    board, floor, top = width + wall, truck.floor, truck.wall
+    cab = half + CAB_GAP
+    return (
+        ((-half - wall, -board, floor - wall), (half + wall, board, floor)),
+        ((-half - wall, width, floor), (half + wall, board, top)),
+        ((-half - wall, -board, floor), (half + wall, -width, top)),
+        ((half, -board, floor), (half + wall, board, top + 0.35)),
+        ((-half - wall, -board, floor), (-half, board, top - 0.25)),
+        ((cab, -width, 0.5 * floor), (cab + CAB_LENGTH, width, floor + 1.5)),
+    )
+
+
 def truck_visuals(truck: Truck | None) -> tuple[Visual, ...]:
     """The dump truck's meshes in the world frame; none for no truck."""
     if truck is None:
         return ()
-    half, width, wall = truck.bed_length / 2, truck.bed_width / 2, 0.09
+    half, width, wall = truck.bed_length / 2, truck.bed_width / 2, WALL
     floor, top = truck.floor, truck.wall
     wheel = 0.46 * floor
-    cab = half + 0.45
-    nose = cab + 1.75
+    cab = half + CAB_GAP
+    nose = cab + CAB_LENGTH
     board = width + wall
     bed = [
-        box((-half - wall, -board, floor - wall), (half + wall, board, floor)),
-        *[box((-half - wall, s * width, floor), (half + wall, s * board, top)) for s in (-1, 1)],
-        box((half, -board, floor), (half + wall, board, top + 0.35)),
-        box((-half - wall, -board, floor), (-half, board, top - 0.25)),
+        *[box(lower, upper) for lower, upper in _bed_and_cab(truck)[:-1]],
         *[
             box((x - 0.05, s * board, floor - wall), (x + 0.05, s * (board + 0.06), top))
             for x in np.linspace(-half, half, 5)

@@ -192,14 +192,12 @@ class Loop:
         if not isinstance(snapshot, Snapshot) or snapshot.owner != id(self):
             raise ValueError("restore needs a snapshot of this very simulation")
         self._ticks = snapshot.ticks
-        q, dq, *others = snapshot.arrays
-        for array, saved in zip(self._state()[2:], others, strict=True):
+        for array, saved in zip(self._state(), snapshot.arrays, strict=True):
             array[:] = saved
         if self.ground is not None:
             self.ground.restore(snapshot.ground)
         self._load(snapshot.payload)
         self._engine_restore(snapshot.engine)
-        self._place(q.copy(), dq.copy())
 
     def close(self) -> None:
         """Release what the simulation holds; a second call does nothing."""
@@ -248,7 +246,7 @@ class Loop:
         """State of the engine beyond coordinates and rates."""
 
     def _engine_restore(self, state: object) -> None:
-        """Undo to what `_engine_snapshot` returned."""
+        """Go back to what `_engine_snapshot` returned."""
 
     def _state(self) -> tuple[NDArray, ...]:
         return (

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 from math import cos, pi, sin
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from backhoe.machine import BACKHOE, JOINTS, Link, Machine
 
 BASE_JOINTS = ("base_x", "base_y", "base_yaw")
@@ -83,6 +86,27 @@ def urdf(
             "</robot>",
         ]
     )
+
+
+def T_urdf_dh(link: str, machine: Machine = BACKHOE) -> NDArray:
+    """Pose of a link's Denavit-Hartenberg frame in its URDF frame, shape (4, 4).
+
+    Args:
+        link: "base_yaw" (whose frame is the vehicle's), "swing", "boom", "stick" or "bucket".
+    """
+    T = np.eye(4)
+    if link == "swing":
+        swing = machine.swing
+        c, s = cos(-swing.com_angle), sin(-swing.com_angle)
+        T[:3, :3] = [[c, 0, s], [s, 0, -c], [0, 1, 0]]
+        T[:3, 3] = c * swing.offset, s * swing.offset, swing.height - swing.com_height
+    elif link in JOINTS:
+        part = getattr(machine, link)
+        bend = part.angle_offset - part.com_angle
+        c, s = cos(bend), sin(bend)
+        T[:2, :2] = [[c, -s], [s, c]]
+        T[:2, 3] = c * part.length, s * part.length
+    return T
 
 
 def undercarriage_inertia(machine: Machine = BACKHOE) -> float:

@@ -10,14 +10,17 @@ from __future__ import annotations
 import tempfile
 from math import pi, radians
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import ConvexHull
 
-from backhoe.machine import JOINTS
+from backhoe.appearance import truck_boxes, visuals
+from backhoe.machine import JOINTS, Machine
 from backhoe.sim import bullet
 from backhoe.sim.loop import Loop
-from backhoe.sim.urdf import ALL_JOINTS, urdf
+from backhoe.sim.urdf import ALL_JOINTS, T_urdf_dh, urdf
 
 
 class BulletWorld(Loop):
@@ -37,14 +40,17 @@ class BulletWorld(Loop):
         engine.setTimeStep(self.dt, physicsClientId=client)
         engine.setGravity(0, 0, -self.machine.gravity, physicsClientId=client)
         with tempfile.TemporaryDirectory() as folder:
+            hulls = _write_hulls(self.machine, Path(folder)) if self.scene.truck else {}
             path = Path(folder) / "backhoe.urdf"
-            path.write_text(urdf(self.machine, base=self.base))
+            path.write_text(urdf(self.machine, hulls, self.base))
             self._body = engine.loadURDF(
                 str(path),
                 useFixedBase=True,
                 flags=engine.URDF_USE_INERTIA_FROM_FILE,
                 physicsClientId=client,
             )
+        for lower, upper in truck_boxes(self.scene.truck):
+            _add_box(engine, client, lower, upper)
         self._joint = _joints_by_name(engine, self._body, client)
         for index in (-1, *self._joint.values()):
             engine.changeDynamics(
@@ -141,6 +147,12 @@ class BulletWorld(Loop):
             )
         self._read()
 
+    def _engine_snapshot(self) -> int:
+        return self._engine.saveState(physicsClientId=self._client)
+
+    def _engine_restore(self, state: int) -> None:
+        self._engine.restoreState(stateId=state, physicsClientId=self._client)
+
     def _carry(self, payload: float) -> None:
         inertia = self.machine.bucket.inertia
         self._engine.changeDynamics(
@@ -152,7 +164,34 @@ class BulletWorld(Loop):
         )
 
 
-def _joints_by_name(engine: object, body: int, client: int) -> dict[str, int]:
+def _write_hulls(machine: Machine, folder: Path) -> dict[str, Path]:
+    """One OBJ file a link with the points whose convex hull collides, in the link's URDF frame."""
+    files = {}
+    for part, meshes in visuals(machine).items():
+        link = "base_yaw" if part == "undercarriage" else part
+        T = T_urdf_dh(link, machine)
+        points = np.vstack([mesh.vertices for mesh in meshes]) @ T[:3, :3].T + T[:3, 3]
+        corners = points[ConvexHull(points).vertices]
+        lines = [f"v {x:.4f} {y:.4f} {z:.4f}" for x, y, z in corners]
+        lines += [f"f 1 {i} {i + 1}" for i in range(2, len(corners))]
+        files[link] = folder / f"{link}.obj"
+        files[link].write_text("\n".join(lines))
+    return files
+
+
+def _add_box(engine: ModuleType, client: int, lower: NDArray, upper: NDArray) -> None:
+    """A box that stands still, between two corners (3,) [m]."""
+    shape = engine.createCollisionShape(
+        engine.GEOM_BOX, halfExtents=((upper - lower) / 2).tolist(), physicsClientId=client
+    )
+    engine.createMultiBody(
+        baseCollisionShapeIndex=shape,
+        basePosition=((upper + lower) / 2).tolist(),
+        physicsClientId=client,
+    )
+
+
+def _joints_by_name(engine: ModuleType, body: int, client: int) -> dict[str, int]:
     return {
         engine.getJointInfo(body, index, physicsClientId=client)[1].decode(): index
         for index in range(engine.getNumJoints(body, physicsClientId=client))

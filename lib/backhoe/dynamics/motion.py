@@ -20,14 +20,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.dynamics.postures import (
     evaluate,
-    posture,
     write_forward_dynamics,
     write_gravity_torque,
     write_inverse_dynamics,
+    write_mass_height,
     write_mass_matrix,
     write_mass_matrix_derivative,
 )
-from backhoe.dynamics.terms import arm_of
 from backhoe.kinematics import jacobian, joint_vector
 from backhoe.machine import BACKHOE, Machine
 
@@ -230,27 +229,11 @@ def energy(q: ArrayLike, dq: ArrayLike, machine: Machine = BACKHOE) -> tuple[NDA
         ValueError: a last axis is not 4, a value is not finite, or shapes do not broadcast.
     """
     q, dq = joint_vector(q), joint_vector(dq, "dq")
+    house = machine.swing.mass * (machine.base.height + machine.swing.com_height)
     momentum = (mass_matrix(q, machine) @ dq[..., None])[..., 0]
     kinetic = (dq * momentum).sum(axis=-1) / 2
-    potential = _potential_energy(q, machine)
-    if np.shape(potential) != np.shape(kinetic):
-        potential = np.broadcast_to(potential, kinetic.shape).copy()
-    return kinetic, potential
-
-
-def _potential_energy(q: NDArray, machine: Machine) -> NDArray:
-    """Sum of m g z over house and arm, z from the ground."""
-    arm = arm_of(machine)
-    base, swing = machine.base, machine.swing
-    v = posture(arm, np.moveaxis(q, -1, 0), np.cos, np.sin)
-    z = base.height + swing.height
-    moment = (
-        swing.mass * (base.height + swing.com_height)
-        + arm.m_bo * (z + v.c2z)
-        + arm.m_s * (z + v.l2z + v.c3z)
-        + arm.m_bu * (z + v.l2z + v.l3z + v.c4z)
-    )
-    return arm.g * moment
+    potential = machine.gravity * (evaluate(write_mass_height, (), machine, q) + house)
+    return kinetic, potential + np.zeros_like(kinetic)
 
 
 def _resistance(

@@ -20,6 +20,7 @@ from backhoe.dynamics.terms import (
     gravity_torques,
     inertia_slopes,
     inertias,
+    mass_height,
     newton_euler,
     solve_inertias,
     vectors,
@@ -112,6 +113,10 @@ def write_mass_matrix_derivative(dM: NDArray, arm: Arm, v: Vectors) -> None:
 
 def write_gravity_torque(g: NDArray, arm: Arm, v: Vectors) -> None:
     g[..., 1], g[..., 2], g[..., 3] = gravity_torques(arm, v)
+
+
+def write_mass_height(moment: NDArray, arm: Arm, v: Vectors) -> None:
+    moment[...] = mass_height(arm, v)
 
 
 def write_inverse_dynamics(tau: NDArray, arm: Arm, v: Vectors, dq: Sequence, ddq: Sequence) -> None:

@@ -19,12 +19,14 @@ from backhoe.machine import Machine
 class Arm(NamedTuple):
     """The machine's numbers in the letters of Tables A.1 and A.2.
 
-    `o2` to `o4` are the angle offsets; (along, across) is where a centre of mass lies in the frame
-    of its link; `I_yaw` is the part of M11 that no posture changes.
+    `z1` is the height of the boom's joint, `o2` to `o4` are the angle offsets; (along, across) is
+    where a centre of mass lies in the frame of its link; `I_yaw` is the part of M11 that no posture
+    changes.
     """
 
     g: float
     b1: float
+    z1: float
     L2: float
     L3: float
     o2: float
@@ -69,6 +71,7 @@ def arm_of(machine: Machine) -> Arm:
     return Arm(
         machine.gravity,
         swing.offset,
+        machine.base.height + swing.height,
         boom.length,
         stick.length,
         boom.angle_offset,
@@ -151,6 +154,16 @@ def inertia_slopes(arm, v):
     l2_c4 = arm.m_bu * (v.l2z * v.c4r - v.l2r * v.c4z)
     l3_c4 = arm.m_bu * (v.l3z * v.c4r - v.l3r * v.c4z)
     return by_q2, by_q3, by_q4, l2_l3, l2_c4, l3_c4
+
+
+def mass_height(arm, v):
+    """Sum of mass times height above the ground over boom, stick and bucket [kg m]."""
+    return (
+        (arm.m_bo + arm.m_s + arm.m_bu) * arm.z1
+        + arm.m_bo * v.c2z
+        + arm.m_s * (v.l2z + v.c3z)
+        + arm.m_bu * (v.l2z + v.l3z + v.c4z)
+    )
 
 
 def gravity_torques(arm, v):

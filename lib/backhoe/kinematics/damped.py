@@ -15,9 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.kinematics.forward import jacobian, joint_vector, pose
+from backhoe.kinematics.inverse import target_vector
 from backhoe.machine import BACKHOE, Machine
 
 __all__ = ["DampedSolution", "adaptive_damping", "damped_inverse", "solve_damped", "task_jacobian"]
+
+_AT_REST = 1e-6
+_DOUBLINGS = 30
+_SMALL_DAMPING = 0.05
 
 
 @dataclass(frozen=True)
@@ -119,16 +124,17 @@ def solve_damped(
 ) -> DampedSolution:
     """Joint angles for a pose of the stick's tip and bucket, by iteration.
 
-    Repeats q <- q + J^# (target - pose(q)) with the damped inverse J^#. Finds the solution nearest
-    in the sense of the iteration, ignores joint limits, and where the target is out of reach comes
-    to rest near the closest pose instead of jumping: look at `converged`.
+    Repeats q <- q + J^# (target - pose(q)) with the damped inverse J^#; where a step would lead
+    away from the target, its damping is doubled until it does not. Ignores joint limits. Out of
+    reach, it comes to rest at the closest pose; from the far side of the machine it can come to
+    rest elsewhere: look at `converged`.
 
     Source: Mastalli 2013, eqs. (2.4) to (2.7), corrected.
 
     Args:
         target: x, y, z of the stick's tip [m] and bucket joint angle [rad], shape (..., 4).
         q0: joint angles to start from, shape (..., 4) [rad].
-        damping: constant lambda; None for `adaptive_damping` with its defaults.
+        damping: lambda of every first try; None for `adaptive_damping` with its defaults.
         tolerance: converged when no component of the residual is larger [m, rad].
         max_iterations: when to give up.
         max_step: no joint turns further in one iteration [rad].
@@ -147,22 +153,41 @@ def solve_damped(
     ):
         if not value > 0:
             raise ValueError(f"{name} must be positive, got {value!r}")
-    target = joint_vector(target, "target")
+    target = target_vector(target)
     q = np.array(np.broadcast_to(joint_vector(q0, "q0"), np.broadcast(target, q0).shape))
     path = [q]
     residual = target - pose(q, machine)
     converged = (np.abs(residual) <= tolerance).all(axis=-1)
-    while not converged.all() and len(path) <= max_iterations:
-        J = task_jacobian(q, machine)
-        strength = adaptive_damping(J) if damping is None else damping
-        step = (damped_inverse(J, strength) @ residual[..., None])[..., 0]
-        longest = np.abs(step).max(axis=-1, keepdims=True)
-        step *= np.minimum(1.0, max_step / np.maximum(longest, max_step))
-        q = np.where(converged[..., None], q, q + step)
+    resting = converged
+    while not resting.all() and len(path) <= max_iterations:
+        step = _step_nearer(q, target, damping, max_step, machine)
+        step = np.where(resting[..., None], 0.0, step)
+        q = q + step
         path.append(q)
         residual = target - pose(q, machine)
         converged = (np.abs(residual) <= tolerance).all(axis=-1)
+        distance = np.linalg.norm(residual, axis=-1)
+        resting = converged | (np.abs(step).max(axis=-1) <= _AT_REST * distance)
     return DampedSolution(q, converged, len(path) - 1, residual, np.array(path))
+
+
+def _step_nearer(
+    q: NDArray, target: NDArray, damping: float | None, max_step: float, machine: Machine
+) -> NDArray:
+    """One damped step, its damping doubled until it leads nearer to the target; 0 if none does."""
+    J = task_jacobian(q, machine)
+    residual = target - pose(q, machine)
+    distance = np.linalg.norm(residual, axis=-1)
+    strength = adaptive_damping(J) if damping is None else np.full(distance.shape, damping)
+    for _ in range(_DOUBLINGS):
+        step = (damped_inverse(J, strength) @ residual[..., None])[..., 0]
+        longest = np.abs(step).max(axis=-1, keepdims=True)
+        step *= max_step / np.maximum(longest, max_step)
+        away = np.linalg.norm(target - pose(q + step, machine), axis=-1) >= distance
+        if not away.any():
+            break
+        strength = np.where(away, np.maximum(2 * strength, _SMALL_DAMPING), strength)
+    return np.where(away[..., None], 0.0, step)
 
 
 def _damped_reciprocal(sigma: NDArray, damping: NDArray) -> NDArray:

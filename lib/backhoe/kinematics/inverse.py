@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import BACKHOE, JOINTS, Machine
 
-__all__ = ["inverse_kinematics", "inverse_tip"]
+__all__ = ["inverse_kinematics", "inverse_tip", "target_vector"]
 
 _ELBOWS = {"up": -1.0, "down": 1.0}
 _FAILURES = ("raise", "nan")
@@ -85,6 +85,30 @@ def inverse_tip(
     return _for_each_tile(_tip_to, target, elbow, machine, limits, on_failure)
 
 
+def target_vector(target: ArrayLike) -> NDArray:
+    """`target` as an array of floats that ends in x, y, z and an angle, checked.
+
+    Args:
+        target: positions [m] with an angle [rad], shape (..., 4).
+
+    Returns:
+        The same numbers, shape (..., 4), not copied when they are an array of floats already.
+
+    Raises:
+        ValueError: the last axis is not 4, or a value is not a finite number.
+    """
+    try:
+        target = np.asarray(target, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"target must be numbers (x, y, z, angle), got {target!r}") from error
+    if target.ndim == 0 or target.shape[-1] != 4:
+        raise ValueError(f"target must end in 4 values (x, y, z, angle), got shape {target.shape}")
+    if not np.isfinite(target).all():
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(target))[0])
+        raise ValueError(f"target must be finite, got {target[index]} at index {index}")
+    return target
+
+
 def _for_each_tile(
     solve: Callable,
     target: ArrayLike,
@@ -94,7 +118,7 @@ def _for_each_tile(
     on_failure: str,
 ) -> NDArray:
     """Solve in pieces that fit the processor's cache, then deal with what has no solution."""
-    target = _checked(target)
+    target = target_vector(target)
     if elbow not in _ELBOWS:
         raise ValueError(f'elbow must be "up" or "down", got {elbow!r}')
     if on_failure not in _FAILURES:
@@ -140,9 +164,10 @@ def _tip_to(target: NDArray, bend: float, machine: Machine) -> NDArray:
 
 def _swing_to(x: NDArray, y: NDArray, machine: Machine) -> tuple[NDArray, NDArray]:
     """Swing angle that faces a point, and the point's distance from the swing axis."""
-    x = x - machine.base.offset
-    r = np.sqrt(x * x + y * y)
-    return np.arctan2(-x, y), np.where(r > _ON_AXIS, r, np.nan)
+    back = machine.base.offset - x
+    r = np.sqrt(back * back + y * y)
+    swing = np.arctan2(back, y)
+    return np.where(swing > -pi, swing, pi), np.where(r > _ON_AXIS, r, np.nan)
 
 
 def _bucket_joint(r: NDArray, z: NDArray, pitch: NDArray, machine: Machine) -> tuple:
@@ -179,19 +204,6 @@ def _wrapped(angle: NDArray) -> NDArray:
 
 def _within(q: NDArray, machine: Machine) -> NDArray:
     return (q >= machine.lower - _LIMIT_ROUNDING) & (q <= machine.upper + _LIMIT_ROUNDING)
-
-
-def _checked(target: ArrayLike) -> NDArray:
-    try:
-        target = np.asarray(target, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"target must be numbers (x, y, z, angle), got {target!r}") from error
-    if target.ndim == 0 or target.shape[-1] != 4:
-        raise ValueError(f"target must end in 4 values (x, y, z, angle), got shape {target.shape}")
-    if not np.isfinite(target).all():
-        index = tuple(int(i) for i in np.argwhere(~np.isfinite(target))[0])
-        raise ValueError(f"target must be finite, got {target[index]} at index {index}")
-    return target
 
 
 def _reason(solve: Callable, target: NDArray, q: NDArray, machine: Machine) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import cos, pi, sin
 
 import numpy as np
@@ -92,59 +93,80 @@ def urdf(machine: Machine = BACKHOE) -> str:
     return f'<robot name="backhoe">{"".join(parts)}</robot>'
 
 
-class Lagrangian:
-    """M, C and g derived by SymPy from the energies alone, as functions of numbers.
+def _machine_numbers(machine: Machine) -> tuple[list[float], list[list[float]]]:
+    base, swing = machine.base, machine.swing
+    house = [
+        machine.gravity,
+        base.offset,
+        base.height,
+        swing.offset,
+        swing.height,
+        swing.mass,
+        swing.com_radius,
+        swing.com_angle,
+        swing.com_height,
+        swing.inertia,
+    ]
+    links = [
+        [
+            link.length,
+            link.angle_offset,
+            link.mass,
+            link.com_radius,
+            link.com_angle,
+            link.inertia,
+        ]
+        for link in machine.links
+    ]
+    return house, links
 
-    Built from positions of the centres of mass in space and angular velocities; nothing is shared
-    with the library but the machine's numbers.
-    """
+
+@cache
+def _lagrangian_terms():
+    """M, C dq, g and the energies derived by SymPy, as functions of q, dq and the numbers."""
+    import sympy as sp
+
+    q, dq = sp.symbols("q1:5"), sp.symbols("dq1:5")
+    house = g, b0, L0, b1, L1, m_t, r_t, a_t, z_t, I_t = sp.symbols(
+        "g b0 L0 b1 L1 m_t r_t a_t z_t I_t"
+    )
+    links = [sp.symbols(f"L{i} o{i} m{i} r{i} a{i} I{i}") for i in (2, 3, 4)]
+
+    yaw = q[0] + sp.pi / 2
+    outwards = sp.Matrix([sp.cos(yaw), sp.sin(yaw), 0])
+    axis = sp.Matrix([sp.sin(yaw), -sp.cos(yaw), 0])
+    up = sp.Matrix([0, 0, 1])
+    ring = sp.Matrix([b0, 0, L0])
+    behind = r_t * sp.Matrix([sp.cos(yaw + a_t), sp.sin(yaw + a_t), 0])
+    bodies = [(m_t, ring + behind + z_t * up, I_t, dq[0] * up)]
+    point, pitch, rate = ring + b1 * outwards + L1 * up, 0, 0
+    for (L, o, m, r, a, inertia), angle, speed in zip(links, q[1:], dq[1:], strict=True):
+        rate = rate + speed
+        aim = pitch + angle + a
+        com = point + r * (sp.cos(aim) * outwards + sp.sin(aim) * up)
+        bodies.append((m, com, inertia, dq[0] * up + rate * axis))
+        pitch = pitch + angle + o
+        point = point + L * (sp.cos(pitch) * outwards + sp.sin(pitch) * up)
+
+    kinetic = potential = 0
+    for mass, com, inertia, spin in bodies:
+        velocity = com.jacobian(q) * sp.Matrix(dq)
+        kinetic += (mass * velocity.dot(velocity) + inertia * spin.dot(spin)) / 2
+        potential += mass * g * com[2]
+    momentum = sp.Matrix([kinetic]).jacobian(dq)
+    centrifugal = momentum.jacobian(q) * sp.Matrix(dq) - sp.Matrix([kinetic]).jacobian(q).T
+    terms = (momentum.jacobian(dq), centrifugal, sp.Matrix([potential]).jacobian(q), kinetic)
+    numbers = (q, dq, house, links)
+    return sp.lambdify(numbers, (*terms, potential), cse=True)
+
+
+class Lagrangian:
+    """The arm's equation of motion from positions of the centres of mass and spins alone."""
 
     def __init__(self, machine: Machine = BACKHOE) -> None:
-        import sympy as sp
+        self._numbers = _machine_numbers(machine)
 
-        q = sp.symbols("q1:5")
-        dq = sp.symbols("dq1:5")
-        base, swing = machine.base, machine.swing
-        yaw = q[0] + sp.pi / 2
-        outwards = sp.Matrix([sp.cos(yaw), sp.sin(yaw), 0])
-        up = sp.Matrix([0, 0, 1])
-        house = sp.Matrix([base.offset, 0, base.height])
-        behind = yaw + swing.com_angle
-        com = house + swing.com_radius * sp.Matrix([sp.cos(behind), sp.sin(behind), 0])
-        bodies = [(swing.mass, com + swing.com_height * up, swing.inertia, dq[0] * up)]
-        point = house + swing.offset * outwards + swing.height * up
-        pitch, axis, rate = 0, sp.Matrix([sp.sin(yaw), -sp.cos(yaw), 0]), 0
-        for body, angle, speed in zip(machine.links, q[1:], dq[1:], strict=True):
-            rate = rate + speed
-            aim = pitch + angle + body.com_angle
-            com = point + body.com_radius * (sp.cos(aim) * outwards + sp.sin(aim) * up)
-            bodies.append((body.mass, com, body.inertia, dq[0] * up + rate * axis))
-            pitch = pitch + angle + body.angle_offset
-            point = point + body.length * (sp.cos(pitch) * outwards + sp.sin(pitch) * up)
-
-        kinetic = potential = 0
-        for mass, com, inertia, spin in bodies:
-            velocity = com.jacobian(q) * sp.Matrix(dq)
-            kinetic += (mass * velocity.dot(velocity) + inertia * spin.dot(spin)) / 2
-            potential += mass * machine.gravity * com[2]
-        M = sp.hessian(kinetic, dq)
-        momentum = sp.Matrix([kinetic]).jacobian(dq).T
-        centrifugal = momentum.jacobian(q) * sp.Matrix(dq) - sp.Matrix([kinetic]).jacobian(q).T
-        g = sp.Matrix([potential]).jacobian(q).T
-        arguments = (*q, *dq)
-        self._M, self._h, self._g, self._energy = (
-            sp.lambdify(arguments, expression, cse=True)
-            for expression in (M, centrifugal, g, (kinetic, potential))
-        )
-
-    def mass_matrix(self, q: np.ndarray) -> np.ndarray:
-        return np.array(self._M(*q, *np.zeros(4)), dtype=float)
-
-    def centrifugal_torque(self, q: np.ndarray, dq: np.ndarray) -> np.ndarray:
-        return np.array(self._h(*q, *dq), dtype=float).ravel()
-
-    def gravity_torque(self, q: np.ndarray) -> np.ndarray:
-        return np.array(self._g(*q, *np.zeros(4)), dtype=float).ravel()
-
-    def energy(self, q: np.ndarray, dq: np.ndarray) -> tuple[float, float]:
-        return self._energy(*q, *dq)
+    def terms(self, q: np.ndarray, dq: np.ndarray) -> tuple:
+        """M (4, 4), C dq (4,), g (4,), kinetic and potential energy."""
+        M, h, g, kinetic, potential = _lagrangian_terms()(q, dq, *self._numbers)
+        return M, h.ravel(), g.ravel(), kinetic, potential

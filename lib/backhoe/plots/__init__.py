@@ -4,8 +4,10 @@ Every drawing function returns a Matplotlib figure; `show(fig, alt)` puts it int
 """
 
 from backhoe.plots.drawing import arm, elbows, frames, posture
+from backhoe.plots.dynamics import candidates, falls, field, gravity_map, holding, weights
 from backhoe.plots.interactive import sliders
 from backhoe.plots.reach import reachable, singularities, velocity_ellipses, workspace
+from backhoe.plots.run import joint_tracking, soil
 from backhoe.plots.style import COLOURS, KINDS, draw_lines, figure, lines, png, show, styled
 from backhoe.plots.tracks import turn
 from backhoe.plots.way import STAGES, data_way
@@ -15,11 +17,17 @@ __all__ = [
     "KINDS",
     "STAGES",
     "arm",
+    "candidates",
     "data_way",
     "draw_lines",
     "elbows",
+    "falls",
+    "field",
     "figure",
     "frames",
+    "gravity_map",
+    "holding",
+    "joint_tracking",
     "lines",
     "png",
     "posture",
@@ -27,8 +35,10 @@ __all__ = [
     "show",
     "singularities",
     "sliders",
+    "soil",
     "styled",
     "turn",
     "velocity_ellipses",
+    "weights",
     "workspace",
 ]

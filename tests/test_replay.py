@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from backhoe import kinematics, replay
 from backhoe.machine import BACKHOE
 from backhoe.replay import stage

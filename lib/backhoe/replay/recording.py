@@ -168,7 +168,7 @@ class Recording:
     scalars: tuple[Scalar, ...] = ()
     lines: tuple[Line, ...] = ()
     labels: tuple[tuple[float, str], ...] = ()
-    camera: tuple[ArrayLike, ArrayLike] = ((11.5, -10.0, 6.5), (2.6, 1.0, 1.2))
+    camera: tuple[ArrayLike, ArrayLike] = ((10.2, -8.6, 5.8), (2.4, 1.2, 1.1))
     follow: str | None = None
     trail: str | None = None
 

@@ -27,7 +27,6 @@ export class Field {
     geometry.setIndex(new BufferAttribute(gridFaces(this.rows, this.columns), 1));
     this.object = new Mesh(geometry, groundMaterial(this.bed ? { value: 0 } : strength));
     this.object.receiveShadow = true;
-    this.object.castShadow = true;
     this.object.frustumCulled = false;
     for (let i = 0; i < n; i++) {
       this.position.setXYZ(

@@ -6,12 +6,12 @@ import {
 
 export const themes = {
   light: {
-    zenith: "#8fb8de", horizon: "#e9eff2", grass: "#9fa583", soil: "#8a6a48", deep: "#5d4330",
+    zenith: "#8fb8de", horizon: "#e9eff2", grass: "#98a183", soil: "#85694e", deep: "#553f2f",
     grid: 0.10, sky: 1.7, sun: 2.6, ground: "#8d8468", trail: "#c2185b",
   },
   dark: {
-    zenith: "#0b1320", horizon: "#263445", grass: "#4f5646", soil: "#6b5138", deep: "#3d2c1f",
-    grid: 0.16, sky: 1.0, sun: 2.0, ground: "#3a3a33", trail: "#ff7aa8",
+    zenith: "#0e1826", horizon: "#2c3c4f", grass: "#525a4c", soil: "#6f5843", deep: "#453527",
+    grid: 0.16, sky: 1.35, sun: 2.2, ground: "#4a4a44", trail: "#ff7aa8",
   },
 };
 

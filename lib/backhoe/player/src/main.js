@@ -11,7 +11,8 @@ import { buildNodes } from "./meshes.js";
 import { Motion } from "./motion.js";
 import { listen, Panel } from "./panel.js";
 
-const SHADOW_RADIUS = 11;
+const SHADOW_RADIUS = 11; // around the machine [m]
+const SLOW = 90; // between two pictures [ms]
 
 class Player {
   constructor(body, buffer) {
@@ -34,7 +35,7 @@ class Player {
     });
     this.renderer = new WebGLRenderer({
       canvas: this.panel.canvas,
-      antialias: true,
+      antialias: !drawnInSoftware(),
       preserveDrawingBuffer: true, // so that the page can be printed and copied
     });
     this.renderer.shadowMap.enabled = true;
@@ -209,7 +210,7 @@ class Player {
   resize() {
     const { clientWidth, clientHeight } = this.panel.stage;
     if (!clientWidth || !clientHeight) return;
-    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
+    this.renderer.setPixelRatio(this.economy === 2 ? 0.6 : Math.min(2, devicePixelRatio));
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.orbit.resize(clientWidth, clientHeight);
     this.refresh();
@@ -224,7 +225,9 @@ class Player {
     this.waiting = undefined;
     if (this.playing) {
       if (this.clock !== undefined) {
-        this.time += (Math.min(250, now - this.clock) / 1000) * Number(this.panel.speed.value);
+        const passed = Math.min(1000, now - this.clock);
+        this.time += (passed / 1000) * Number(this.panel.speed.value);
+        this.keepUp(passed);
       }
       this.clock = now;
       if (this.time >= this.duration) {
@@ -236,6 +239,16 @@ class Player {
     this.pose();
     this.renderer.render(this.scene, this.orbit.camera);
     if (this.playing) this.refresh();
+  }
+
+  // without a graphics card: first drop the shadows, then draw fewer pixels
+  keepUp(passed) {
+    this.slow = passed > SLOW ? (this.slow ?? 0) + 1 : 0;
+    if (this.slow < 6 || this.economy === 2) return;
+    this.slow = 0;
+    this.economy = (this.economy ?? 0) + 1;
+    this.surroundings.sun.castShadow = false;
+    this.resize();
   }
 
   pose() {
@@ -262,6 +275,16 @@ class Player {
     this.surroundings.sky.position.copy(this.orbit.camera.position);
     this.panel.show(this.time, frame, this.labels.findLast(([t]) => t <= this.time + 1e-6)?.[1] ?? "");
   }
+}
+
+// smooth edges double the time of a picture where no graphics card draws it
+function drawnInSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) return false;
+  const known = gl.getExtension("WEBGL_debug_renderer_info");
+  const name = gl.getParameter(known ? known.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
+  gl.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
 function polyline(points, color) {

@@ -68,7 +68,7 @@ def euler(f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:
     """
 
     def step(t: float, x: NDArray) -> NDArray:
-        return x + dt * f(t, x)
+        return x + dt * np.asarray(f(t, x))
 
     return _roll_out(step, f, x0, dt, steps)
 
@@ -115,7 +115,8 @@ def trapezoid(
 ) -> Rollout:
     """Trapezoidal rule: x_k+1 = x_k + dt/2 (f(t_k, x_k) + f(t_k+1, x_k+1)), solved for x_k+1.
 
-    Implicit; the equation is repeated from a predicted x_k+1 until it stands still.
+    Implicit; the equation is repeated from a predicted x_k+1 until it stands still, which it does
+    for steps below 2 over the fastest rate of the system: stiff systems gain nothing here.
 
     Source: Mastalli 2013, section 2.3.1, "integración trapezoidal".
 
@@ -140,7 +141,7 @@ def trapezoid(
         rate = np.asarray(f(t, x))
         new = x + dt * rate
         for _ in range(max_iterations):
-            old, new = new, x + dt / 2 * (rate + f(t + dt, new))
+            old, new = new, x + dt / 2 * (rate + np.asarray(f(t + dt, new)))
             if (np.abs(new - old) <= tolerance * (1 + np.abs(new))).all():
                 return new
         raise ArithmeticError(
@@ -182,7 +183,7 @@ def _roll_out(step: Callable, f: Rate, x0: ArrayLike, dt: float, steps: int) -> 
     x = _state(x0)
     if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0:
         raise ValueError(f"steps must be a whole number, 0 or more, got {steps!r}")
-    if not (np.isscalar(dt) and np.isfinite(dt) and dt > 0):
+    if not (isinstance(dt, (int, float, np.number)) and np.isfinite(dt) and dt > 0):
         raise ValueError(f"dt must be a positive time in s, got {dt!r}")
     rate = np.shape(f(0.0, x))
     if rate != x.shape:

@@ -136,7 +136,7 @@ def frames(q: ArrayLike, machine: Machine = BACKHOE) -> Figure:
             ax.annotate("", (x + ex, z + ez), (x, z), arrowprops=_ARROW | {"color": colour})
             text = ax.text(x + 1.2 * ex, z + 1.2 * ez, letter, color=colour, weight="bold")
             text.set(ha="center", va="center")
-        away = angle + (-0.25 if number == 1 else 1.25) * np.pi
+        away = angle + (0.75 if number == 1 else 1.25) * np.pi
         beside = {"ha": "right" if np.cos(away) < 0 else "left", "va": "center", "zorder": 8}
         place = x + 0.28 * np.cos(away), z + 0.28 * np.sin(away)
         ax.text(*place, name, weight="bold", color=DARK, **beside)

@@ -46,8 +46,10 @@ def reachable(machine: Machine = BACKHOE, point: int = 3) -> NDArray:
         pitch = pitch + q + link.angle_offset
         reach = reach + link.length * np.cos(pitch)
         height = height + link.length * np.sin(pitch)
-    cells = np.unique(np.round(np.stack((reach, height), -1).reshape(-1, 2) / CELL), axis=0)
-    return cells * CELL
+    columns, rows = np.round(reach / CELL).astype(int), np.round(height / CELL).astype(int)
+    low, span = rows.min(), np.ptp(rows) + 1
+    columns, rows = np.divmod(np.unique(columns * span + rows - low), span)
+    return CELL * np.column_stack((columns, rows + low))
 
 
 @styled

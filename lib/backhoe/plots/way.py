@@ -44,12 +44,12 @@ def data_way(lit: str | Collection[str] = ()) -> Figure:
 
     Args:
         lit: one name or several of `STAGES`: machine, dynamics, sensors, localisation, map, plan,
-            kinematics, control.
+            kinematics, control; "tour" for all of them.
 
     Raises:
         ValueError: a name is not one of the stages.
     """
-    names = {lit} if isinstance(lit, str) else set(lit)
+    names = set(STAGES) if lit == "tour" else {lit} if isinstance(lit, str) else set(lit)
     if unknown := names - set(STAGES):
         raise ValueError(f"unknown part {sorted(unknown)}: the parts are {', '.join(STAGES)}")
     fig, ax = figure(6.8, 2.1)

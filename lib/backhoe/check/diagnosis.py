@@ -96,10 +96,9 @@ def _what_differs(trial: Trial) -> str:
     wrong = trial.only(trial.wrong)
     right = len(trial.cases) - len(wrong.cases)
     share = f"right for {right} of {len(trial.cases)} inputs; for the others " if right else ""
-    if all(isinstance(outcome, Numbers) for outcome in wrong.outcomes) and (
-        not trial.exercise.compare
-    ):
-        return share + (_other_inputs(wrong) or _transformed(wrong) or _differs(wrong))
+    numeric = all(isinstance(outcome, Numbers) for outcome in trial.outcomes)
+    if numeric and not trial.exercise.compare:
+        return _other_inputs(trial) or share + (_transformed(wrong) or _differs(wrong))
     outcome = wrong.outcomes[0]
     what = show(outcome if isinstance(outcome, str) else outcome.value)
     if not trial.exercise.asks_for_a_function:

@@ -12,18 +12,22 @@ from __future__ import annotations
 import ctypes
 import io
 import random
-import sys
 import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from functools import partial
 
 import numpy as np
 
 __all__ = ["OutOfTime", "TimeUp", "run"]
 
-_GRACE = 1.0  # [s] for a worker to end after its time is up
+_GRACE = 0.5  # [s] for a worker to end after an interruption
+
+_interrupt = ctypes.PYFUNCTYPE(None, ctypes.c_ulong, ctypes.py_object)(
+    ("PyThreadState_SetAsyncExc", ctypes.pythonapi)
+)
 
 
 class TimeUp(BaseException):
@@ -49,15 +53,14 @@ def run(job: Callable[[], object], seconds: float) -> object:
     """
     worker = _Worker(job)
     with _without_traces():
-        worker.start()
-        deadline = time.monotonic() + seconds
         try:
-            while worker.is_alive() and time.monotonic() < deadline:
-                worker.join(0.05)
+            worker.start()
+            worker.wait(seconds)
         finally:
             in_time = worker.over
             if not in_time:
                 worker.end()
+                worker.join(0.1)
     if not in_time:
         raise OutOfTime(stopped=worker.over)
     if worker.error is not None:
@@ -68,34 +71,57 @@ def run(job: Callable[[], object], seconds: float) -> object:
 class _Worker(threading.Thread):
     def __init__(self, job: Callable[[], object]) -> None:
         super().__init__(daemon=True)
-        self.job, self.result, self.error, self.over = job, None, None, False
+        self.job, self.result, self.error = job, None, None
+        self.over = self.interrupted = self.left_alone = False
+        self.relentless = TimeUp
 
     def run(self) -> None:
         try:
             self.result = self.job()
-        except TimeUp:
-            pass
         except BaseException as error:
             self.error = error
-        finally:
-            self.over = True
+        self.relentless.__init__ = BaseException.__init__
+        self.over = True
+        while self.interrupted:
+            try:
+                time.sleep(1e-3)
+                if self.left_alone:
+                    break
+            except TimeUp:
+                pass
+
+    def wait(self, seconds: float) -> None:
+        """Wait until the job is over, for so long at most."""
+        deadline = time.monotonic() + seconds
+        while not self.over and time.monotonic() < deadline:
+            self.join(0.01)
 
     def end(self) -> None:
-        """Interrupt until the job is over, in quick succession.
-
-        A loop such as `while True: try: ... except: pass` survives an exception raised inside its
-        `try`, but not the next one, if that comes before the loop is back inside.
-        """
-        switch_interval = sys.getswitchinterval()
-        sys.setswitchinterval(1e-6)
-        deadline = time.monotonic() + _GRACE
+        """Interrupt the job: politely, and if that does not help, relentlessly."""
+        self.interrupted = True
+        self.relentless = _relentless(self.ident)
         try:
-            while not self.over and time.monotonic() < deadline:
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(
-                    ctypes.c_ulong(self.ident), ctypes.py_object(TimeUp)
-                )
+            for interruption in (TimeUp, self.relentless):
+                if self.ident and not self.over:
+                    _interrupt(self.ident, interruption)
+                self.wait(_GRACE)
         finally:
-            sys.setswitchinterval(switch_interval)
+            self.left_alone = True
+
+
+def _relentless(thread: int) -> type[TimeUp]:
+    """An interruption that interrupts again whenever it is raised.
+
+    `while True: try: ... except: pass` swallows one interruption, but not the next, which comes
+    when the loop has not got back inside its `try` yet. Its `__init__` is compiled code: it would
+    interrupt itself otherwise.
+    """
+
+    class Relentless(TimeUp):
+        pass
+
+    Relentless.__init__ = staticmethod(partial(_interrupt, thread, Relentless))
+    return Relentless
 
 
 class _Void(io.TextIOBase):

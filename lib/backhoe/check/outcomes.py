@@ -111,7 +111,8 @@ def show(value: object) -> str:
     elif _is_numeric(value) and np.ndim(value) == 0:
         text = str(value) if isinstance(value, bool | np.bool_ | int) else f"{value:.4g}"
     elif _is_numeric(value):
-        with np.printoptions(precision=4, suppress=True, threshold=20, edgeitems=2):
+        digits = {"float_kind": lambda number: f"{number:.4g}"}
+        with np.printoptions(formatter=digits, threshold=20, edgeitems=2):
             text = np.array2string(np.asarray(value), separator=", ")
     elif isinstance(value, tuple):
         text = f"({', '.join(show(one) for one in value)})"

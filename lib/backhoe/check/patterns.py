@@ -65,7 +65,7 @@ def in_pieces(one: NDArray, other: NDArray, near: Callable) -> str | None:
     for axis, name in _axes(one):
         order = _order(np.moveaxis(one, axis, 1), np.moveaxis(other, axis, 1), near)
         if order:
-            return f"the {name} are in another order: {', '.join(map(str, order))}"
+            return f"the {name} are in the order {', '.join(map(str, order))}"
     wrong = ~near(one, other).all(axis=0)
     if wrong.all():
         return None
@@ -117,7 +117,7 @@ def _axes(one: NDArray) -> Iterator[tuple[int, str]]:
 
 
 def _order(one: NDArray, other: NDArray, near: Callable) -> list[int] | None:
-    """Where the components of `other` stand in `one`, if they are all there."""
+    """Which components of `other` those of `one` are, if all are there."""
     size, order = one.shape[1], []
     if not 2 <= size <= 12:
         return None

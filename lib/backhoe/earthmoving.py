@@ -29,6 +29,7 @@ __all__ = [
 SHALLOWEST_RAKE = radians(15)
 STEEPEST_RAKE = radians(100)
 _RAKES = np.linspace(SHALLOWEST_RAKE, STEEPEST_RAKE, 86)
+_RAKE_STEP = float(_RAKES[1] - _RAKES[0])
 
 
 @dataclass(frozen=True)
@@ -102,8 +103,7 @@ class SoilParameters:
         """
         if depth <= 0:
             return 0.0
-        step = _RAKES[1] - _RAKES[0]
-        at = min(max((rake - SHALLOWEST_RAKE) / step, 0.0), len(_RAKES) - 1.000001)
+        at = min(max((rake - SHALLOWEST_RAKE) / _RAKE_STEP, 0.0), len(_RAKES) - 1.000001)
         row, part = int(at), at - int(at)
         below, above = self._factor_rows[row], self._factor_rows[row + 1]
         n_gamma, n_c, n_q, n_a = (a + part * (b - a) for a, b in zip(below, above, strict=True))

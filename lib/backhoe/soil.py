@@ -32,6 +32,8 @@ ACROSS = 13
 """Points on the bucket's width where soil falls and the depth is measured."""
 EMPTYING_TIME = 0.15
 """Time constant of the last of the outflow [s]."""
+CRUMBS = 1e-4
+"""What is left of an emptying bucket's load falls at once when it is less than this [m^3]."""
 LONGEST_STEP = 1.0
 """A tip that moves further than this in one advance [m] was put there, not driven."""
 
@@ -88,6 +90,8 @@ class Ground:
         self._before: BucketPose | None = None
         self._felt: Resistance | None = None
         terrain.relax(parameters.repose)
+        if bed is not None:
+            bed.relax(parameters.repose)
 
     @property
     def truck_volume(self) -> float:
@@ -231,9 +235,13 @@ class Ground:
             return cut
         taken = min(cut, max(self.fill.heaped - self.bucket_volume, 0.0))
         self.bucket_volume += taken
-        ahead = 1.5 * self.terrain.cell * here.mouth_side
+        ahead = self._before_mouth(here)
         self._lay(here, (ahead, -self._half), (ahead, self._half), cut - taken)
         return 0.0
+
+    def _before_mouth(self, here: BucketPose) -> float:
+        """Nearest u in front of the mouth from where no soil gets under the shell [m]."""
+        return 1.5 * self.terrain.cell * here.mouth_side
 
     def _push_aside(
         self, last: BucketPose, here: BucketPose, volume: float, u_low: float, u_high: float
@@ -261,12 +269,12 @@ class Ground:
         if surplus <= 0.0:
             return
         falls = min(self.parameters.spill_rate * dt, surplus * min(dt / EMPTYING_TIME, 1.0))
-        if self.bucket_volume - falls < 1e-6:
+        if self.bucket_volume - falls < CRUMBS:
             falls = self.bucket_volume
         self.bucket_volume -= falls
         shell_u, shell_z = self._kernels.turned(self._profile, now.pitch)
         lip, below = (0.0, 0.0) if shell_z[-1] >= 0 else (shell_u[-1], shell_z[-1])
-        u = lip + now.mouth_side * self.terrain.cell
+        u = lip + self._before_mouth(now)
         self._lay(now, (u, -self._half), (u, self._half), falls, now.tip[2] + below)
 
     def _lay(
@@ -298,10 +306,11 @@ class Ground:
         self._lift_shell()
         if bed is not None and not bed.settled:
             bed.relax(repose, SWEEPS)
-            self.off_map_volume += self._kernels.overflow(
+            fell, missed = self._kernels.overflow(
                 bed.heights, bed.floor, bed.frame, ground.heights, ground.frame, ground.box
             )
-            ground.version += 1
+            self.off_map_volume += missed
+            ground.version += fell > 0.0
 
     def _lift_shell(self) -> None:
         """Free the soil's surface where the shell was."""
@@ -321,9 +330,7 @@ class Ground:
             return None
         depth = self._depth(now, 1.5 * self._strength.ahead(now, velocity))
         volume, before = self.bucket_volume, self._felt
-        return self._strength.resistance(
-            now, velocity, contact, depth, volume, pitch_rate, before
-        )
+        return self._strength.resistance(now, velocity, contact, depth, volume, pitch_rate, before)
 
     def _depth(self, now: BucketPose, cells: float) -> float:
         """Mean height of the soil above the teeth, some cells along the heading [m]."""

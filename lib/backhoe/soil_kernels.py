@@ -16,6 +16,8 @@ from numba import njit
 
 STEEPNESS_TOLERANCE = 1.005
 """A slope slides when it is steeper than the angle of repose by this factor."""
+ROUNDING = 1e-9
+"""The edge may pass a cell twice, but it must not miss one between two steps."""
 
 
 @njit(cache=True)
@@ -86,8 +88,6 @@ def relax(heights, base, ceiling, box, limit, sweeps):
     """
     moving = np.empty(4, np.int64)
     for sweep in range(sweeps):
-        if box[0] >= box[1] or box[2] >= box[3]:
-            return sweep
         clear(moving, heights.shape)
         rows, columns = box[1] - box[0], box[3] - box[2]
         for a in range(rows):
@@ -97,6 +97,8 @@ def relax(heights, base, ceiling, box, limit, sweeps):
                 if slide(heights, base, ceiling, i, j, limit):
                     grow(moving, i, j, 2, heights.shape)
         box[:] = moving
+        if box[0] >= box[1]:
+            return sweep
     return sweeps
 
 
@@ -155,23 +157,24 @@ def pour(heights, grid, box, over_bed, bed, bed_grid, bed_box, start, end, z, vo
 def overflow(bed, base, bed_grid, heights, grid, box):
     """Move what lies on the walls (the outermost cells of the bed) to the ground beside them.
 
-    Returns the volume that missed the map.
+    Returns the volume that fell and how much of it missed the map.
     """
     x0, y0, cell = bed_grid
     rows, columns = bed.shape
-    missed = 0.0
+    fell, missed = 0.0, 0.0
     for i in range(rows):
         on_end = i == 0 or i == rows - 1
         for j in range(0, columns, 1 if on_end else columns - 1):
-            loose = bed[i, j] - base[i, j]
+            loose = (bed[i, j] - base[i, j]) * cell * cell
             if loose > 0.0:
                 bed[i, j] = base[i, j]
+                fell += loose
                 out_x = (j == columns - 1) * 2.0 - (j == 0) * 2.0
                 out_y = (i == rows - 1) * 2.0 - (i == 0) * 2.0
                 x, y = x0 + (j + out_x) * cell, y0 + (i + out_y) * cell
-                if not drop_on(heights, grid, x, y, loose * cell * cell, box):
-                    missed += loose * cell * cell
-    return missed
+                if not drop_on(heights, grid, x, y, loose, box):
+                    missed += loose
+    return fell, missed
 
 
 @njit(cache=True)
@@ -222,7 +225,7 @@ def dig(heights, base, ceiling, grid, box, profile, last, tip, heading, pitch, h
 
     The edge, 2 `half` wide, cuts each cell that it passes down to its path. Under the shell soil
     may stand up to `give` into the wall (elastic), what is above is pressed out. The room left
-    under the shell becomes the soil's ceiling.
+    under the shell becomes the soil's ceiling; where the edge is in the soil none slips past it.
 
     Returns:
         volume cut by the edge and volume pressed out by the shell [m^3]; area [m^2], mean depth and
@@ -231,10 +234,17 @@ def dig(heights, base, ceiling, grid, box, profile, last, tip, heading, pitch, h
     x0, y0, cell = grid
     shell_u, shell_z = turned(profile, pitch)
     u_low, u_high = shell_u.min(), shell_u.max()
+    behind = -1.5 * cell if sin(pitch) > 0 else 1.5 * cell
     back = (last[0] - tip[0]) * heading[0] + (last[1] - tip[1]) * heading[1]
     aside = (last[0] - tip[0]) * heading[1] - (last[1] - tip[1]) * heading[0]
     covered = footprint(
-        heights.shape, grid, tip, heading, min(u_low, back), max(u_high, back), half + abs(aside)
+        heights.shape,
+        grid,
+        tip,
+        heading,
+        min(u_low, back, behind),
+        max(u_high, back, behind),
+        half + abs(aside),
     )
     cut, pressed, cells, depth, lever = 0.0, 0.0, 0, 0.0, 0.0
     for i in range(covered[0], covered[1]):
@@ -243,7 +253,7 @@ def dig(heights, base, ceiling, grid, box, profile, last, tip, heading, pitch, h
             u = dx * heading[0] + dy * heading[1]
             v = dx * heading[1] - dy * heading[0]
             passed = u / back if back != 0.0 else -1.0
-            if 0.0 <= passed < 1.0 and abs(v - passed * aside) <= half:
+            if -ROUNDING <= passed <= 1.0 + ROUNDING and abs(v - passed * aside) <= half:
                 path = max(tip[2] + passed * (last[2] - tip[2]), base[i, j])
                 if heights[i, j] > path:
                     cut += heights[i, j] - path
@@ -251,11 +261,14 @@ def dig(heights, base, ceiling, grid, box, profile, last, tip, heading, pitch, h
                     grow(box, i, j, 2, heights.shape)
             if abs(v) > half:
                 continue
+            if 0.0 <= u / behind <= 1.0 and heights[i, j] > tip[2] - cell:
+                ceiling[i, j] = heights[i, j]
             wall = tip[2] + underside(shell_u, shell_z, u)
             if wall == inf:
                 continue
-            ceiling[i, j] = max(wall, base[i, j])
-            overlap = heights[i, j] - ceiling[i, j]
+            wall = max(wall, base[i, j])
+            ceiling[i, j] = min(ceiling[i, j], wall)
+            overlap = heights[i, j] - wall
             if overlap > 0.0:
                 cells += 1
                 depth += min(overlap, give)

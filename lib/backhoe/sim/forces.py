@@ -33,10 +33,7 @@ def parameters(machine: Machine, friction: bool) -> NDArray:
         "base_offset": base.offset,
         "swing_offset": swing.offset,
         "boom_height": base.height + swing.height,
-        "house_com_x": swing.com_radius * np.cos(swing.com_angle),
-        "house_com_y": swing.com_radius * np.sin(swing.com_angle),
-        "track_mass": track.mass,
-        "house_mass": swing.mass,
+        "machine_mass": machine.mass,
         "payload": 0.0,
         "gravity": machine.gravity,
         "belt_speed": track.max_speed,
@@ -47,9 +44,6 @@ def parameters(machine: Machine, friction: bool) -> NDArray:
     for name, link in (("boom", boom), ("stick", stick), ("bucket", bucket)):
         scalars |= {
             f"{name}_length": link.length,
-            f"{name}_mass": link.mass,
-            f"{name}_com_radius": link.com_radius,
-            f"{name}_com_angle": link.com_angle,
             f"{name}_angle_offset": link.angle_offset,
         }
     stiffness, damping = _stops(machine)
@@ -90,7 +84,6 @@ def push(
     parameters,
     patches,
     sheared,
-    loads,
     belts,
     applied,
     out,
@@ -105,7 +98,7 @@ def push(
         dt: step [s].
         parameters: from `parameters`.
         patches: from `tracks.patch_positions`.
-        sheared, loads, belts: state of the tracks, brought forward in place.
+        sheared, belts: state of the tracks, brought forward in place.
         applied: the joint torques within the actuators' limits, shape (4,), filled in.
         out: the forces, shape (7,) [N, N, N m, ...], filled in.
 
@@ -116,17 +109,14 @@ def push(
         return False
     p = parameters[0]
     _joint_torques(q, dq, torque, p, applied, out)
-    points = _arm_points(q, p)
-    _tip_force(q, soil, points, p, out)
-    mass, centre_x, centre_y = _standing_on(q, soil, points, p)
-    weight = mass * p.gravity - soil[2]
-    tracks.patch_loads(patches, weight, centre_x, centre_y, loads)
+    _tip_force(q, soil, p, out)
+    mass = p.machine_mass + p.payload
     tracks.run_belts(belts, belt_command, p.belt_speed, p.belt_acceleration, dt)
 
     cos_yaw, sin_yaw = np.cos(q[2]), np.sin(q[2])
     velocity = dq[0] * cos_yaw + dq[1] * sin_yaw, dq[1] * cos_yaw - dq[0] * sin_yaw
     along, across, moment = tracks.friction(
-        patches, loads, belts, velocity, dq[2], p.along, p.across, dt, sheared
+        patches, mass * p.gravity - soil[2], belts, velocity, dq[2], p.along, p.across, dt, sheared
     )
     out[0] += along * cos_yaw - across * sin_yaw
     out[1] += along * sin_yaw + across * cos_yaw
@@ -205,9 +195,9 @@ def _arm_points(q, p):
 
 
 @njit(cache=True)
-def _tip_force(q, force, points, p, out):
+def _tip_force(q, force, p, out):
     """J^T of a force and moment of the soil at the tip, into out."""
-    r2, z2, r3, z3, r4, z4, r, z, _ = points
+    r2, z2, r3, z3, r4, z4, r, z, _ = _arm_points(q, p)
     heading = q[2] + q[3] + np.pi / 2
     out_x, out_y = np.cos(heading), np.sin(heading)
     x = p.base_offset * np.cos(q[2]) + r * out_x
@@ -220,38 +210,3 @@ def _tip_force(q, force, points, p, out):
     out[4] += (r - r2) * force[2] - (z - z2) * outwards + force[3]
     out[5] += (r - r3) * force[2] - (z - z3) * outwards + force[3]
     out[6] += (r - r4) * force[2] - (z - z4) * outwards + force[3]
-
-
-@njit(cache=True)
-def _standing_on(q, force, points, p):
-    """Mass of machine and load [kg] and where the ground's reaction acts, vehicle frame [m].
-
-    The reaction balances weight and tip force as if nothing accelerated.
-    """
-    r2, _, r3, _, r4, _, r, z, _ = points
-    boom, stick = q[4] + p.boom_angle_offset, q[5] + p.stick_angle_offset
-    bucket_mass = p.bucket_mass + p.payload
-    upper_mass = p.house_mass + p.boom_mass + p.stick_mass + bucket_mass
-    outwards = (
-        p.house_mass * p.house_com_x
-        + p.boom_mass * (r2 + p.boom_com_radius * np.cos(q[4] + p.boom_com_angle))
-        + p.stick_mass * (r3 + p.stick_com_radius * np.cos(boom + q[5] + p.stick_com_angle))
-        + bucket_mass
-        * (r4 + p.bucket_com_radius * np.cos(boom + stick + q[6] + p.bucket_com_angle))
-    )
-    leftwards = p.house_mass * p.house_com_y
-    swing_x, swing_y = np.cos(q[3] + np.pi / 2), np.sin(q[3] + np.pi / 2)
-    moment_x = upper_mass * p.base_offset + outwards * swing_x - leftwards * swing_y
-    moment_y = outwards * swing_y + leftwards * swing_x
-    mass = upper_mass + p.track_mass
-    weight = mass * p.gravity - force[2]
-    if weight <= 0.0:
-        return mass, 0.0, 0.0
-    c, s = np.cos(q[2]), np.sin(q[2])
-    push_x, push_y = force[0] * c + force[1] * s, force[1] * c - force[0] * s
-    tip_x, tip_y = p.base_offset + r * swing_x, r * swing_y
-    return (
-        mass,
-        (moment_x * p.gravity + z * push_x - tip_x * force[2] - force[3] * swing_x) / weight,
-        (moment_y * p.gravity + z * push_y - tip_y * force[2] - force[3] * swing_y) / weight,
-    )

@@ -26,6 +26,9 @@ STEP = 0.001
 TICKS_PER_DIG = 10
 """Steps between two visits to the soil: 100 Hz."""
 
+RUNAWAY = 50.0
+"""A rate of the machine that no controller gives on purpose [rad/s or m/s]."""
+
 REST = np.radians([-90.0, 30.0, -30.0, 0.0])
 """Joint angles at the start [rad]: arm forward, folded, clear of the ground."""
 
@@ -34,7 +37,7 @@ REST = np.radians([-90.0, 30.0, -30.0, 0.0])
 class Snapshot:
     """State of a simulation: pass it to `restore` of the simulation that made it."""
 
-    owner: int
+    owner: object
     ticks: int
     arrays: tuple[NDArray, ...]
     payload: float
@@ -75,6 +78,7 @@ class Loop:
             raise ValueError(f'base must be "tracks" or "fixed", got {base!r}')
         self.machine, self.scene, self.seed, self.base = machine, scene, seed, base
         self._closed = False
+        self._token = object()
         self._start = _start(q)
         self._soil_wanted = soil
         self._parameters = forces.parameters(machine, friction)
@@ -127,7 +131,7 @@ class Loop:
 
         Raises:
             ValueError: a wrong shape, or a value that is not finite.
-            RuntimeError: the simulation is closed.
+            RuntimeError: the simulation is closed, or the machine ran away.
         """
         if self._closed:
             self._refuse()
@@ -137,6 +141,8 @@ class Loop:
             _complain(torque, belts)
         self._integrate(self._forces)
         self._ticks += 1
+        if self._ticks % TICKS_PER_DIG == 0 and not np.abs(self._dq).max() < RUNAWAY:
+            self._run_away()
         if self.ground is not None:
             self._dig()
 
@@ -163,7 +169,7 @@ class Loop:
         self._ticks = 0
         self._applied, self._forces = np.zeros(4), np.zeros(7)
         self._soil = np.zeros(4)
-        self._belts, self._loads = np.zeros(2), np.zeros(len(self._patches))
+        self._belts = np.zeros(2)
         self._sheared = np.zeros_like(self._patches)
         self.ground = _ground(self.machine, self.scene, self.seed) if self._soil_wanted else None
         self._load(0.0)
@@ -173,7 +179,7 @@ class Loop:
         """Everything that the future depends on; pass it to `restore`."""
         self._check_open()
         return Snapshot(
-            id(self),
+            self._token,
             self._ticks,
             tuple(array.copy() for array in self._state()),
             float(self._parameters["payload"][0]),
@@ -189,7 +195,7 @@ class Loop:
             RuntimeError: the simulation is closed.
         """
         self._check_open()
-        if not isinstance(snapshot, Snapshot) or snapshot.owner != id(self):
+        if not isinstance(snapshot, Snapshot) or snapshot.owner is not self._token:
             raise ValueError("restore needs a snapshot of this very simulation")
         self._ticks = snapshot.ticks
         for array, saved in zip(self._state(), snapshot.arrays, strict=True):
@@ -255,7 +261,6 @@ class Loop:
             self._applied,
             self._soil,
             self._belts,
-            self._loads,
             self._sheared,
         )
 
@@ -270,7 +275,6 @@ class Loop:
             self._parameters,
             self._patches,
             self._sheared,
-            self._loads,
             self._belts,
             self._applied,
             self._forces,
@@ -280,6 +284,8 @@ class Loop:
         """Let the soil move on at 100 Hz and feel it at 1 kHz."""
         T_world_tip, velocity = forces.tip_motion(self._q, self._dq, self._parameters)
         if self._ticks % TICKS_PER_DIG == 0:
+            if not velocity @ velocity < RUNAWAY**2:
+                self._run_away()
             self._soil[:3] = self.ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
             self._soil[3] = self.ground.moment
             self._load(self.ground.payload)
@@ -291,6 +297,13 @@ class Loop:
         if payload != self._parameters["payload"][0] or self._ticks == 0:
             self._parameters["payload"][0] = payload
             self._carry(payload)
+
+    def _run_away(self) -> None:
+        raise RuntimeError(
+            f"the machine ran away at t = {self.time:.3f} s with rates {self._dq.round(1)}: the "
+            "controller drives it apart (a wrong sign, or a damping gain above twice the joint's "
+            "inertia over the step); call reset() before going on"
+        )
 
     def _check_open(self) -> None:
         if self._closed:

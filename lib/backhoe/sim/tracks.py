@@ -4,6 +4,8 @@ Each track rests on a row of patches. A patch's soil shears like a spring with t
 and ground until, after `SHEAR` of slip, the friction of the patch is used up and it slides. So the
 machine stands still under the push of the bucket and does not creep, and it slips when it turns. As
 the belt runs, sheared soil is left behind at one end and fresh soil comes under the other.
+The patches share the weight equally: by its printed masses the machine stands on the front of its
+tracks when the arm is stretched, and two patches that carry all would turn almost without slip.
 Lengths in m, speeds in m/s, forces in N; vehicle frame (x forward, y left).
 """
 
@@ -33,26 +35,6 @@ def patch_positions(machine: Machine) -> NDArray:
 
 
 @njit(cache=True)
-def patch_loads(patches, weight, x, y, loads):
-    """Share `weight` [N] among the patches so that its centre is at (x, y) [m].
-
-    The load varies linearly over the patches and is cut at zero where they would be pulled.
-    """
-    n = len(patches)
-    along, across = 0.0, 0.0
-    for i in range(n):
-        along += patches[i, 0] ** 2
-        across += patches[i, 1] ** 2
-    total = 0.0
-    for i in range(n):
-        share = 1.0 / n + patches[i, 0] * x / along + patches[i, 1] * y / across
-        loads[i] = max(share, 0.0)
-        total += loads[i]
-    for i in range(n):
-        loads[i] *= max(weight, 0.0) / total
-
-
-@njit(cache=True)
 def run_belts(belts, command, max_speed, acceleration, dt):
     """Let the belts' speeds (2,) follow `command` as fast as `acceleration` allows, in place."""
     for side in range(2):
@@ -62,12 +44,12 @@ def run_belts(belts, command, max_speed, acceleration, dt):
 
 
 @njit(cache=True)
-def friction(patches, loads, belts, velocity, yaw_rate, along, across, dt, sheared):
+def friction(patches, weight, belts, velocity, yaw_rate, along, across, dt, sheared):
     """Force and yaw moment of the ground on the tracks, over one step.
 
     Args:
         patches: positions, shape (n, 2), left track first [m].
-        loads: normal force on each, shape (n,) [N].
+        weight: that presses the tracks on the ground [N]; negative counts as none.
         belts: speeds of the left and right belt [m/s].
         velocity: of the vehicle's origin in its own frame, shape (2,) [m/s].
         yaw_rate: of the vehicle [rad/s].
@@ -80,6 +62,7 @@ def friction(patches, loads, belts, velocity, yaw_rate, along, across, dt, shear
     """
     n = len(patches)
     row = n // 2
+    load = max(weight, 0.0) / n
     force_x, force_y, moment = 0.0, 0.0, 0.0
     for side in range(2):
         _move_on(sheared, side * row, row, belts[side] * dt / (patches[1, 0] - patches[0, 0]))
@@ -94,8 +77,8 @@ def friction(patches, loads, belts, velocity, yaw_rate, along, across, dt, shear
             pull_x = sheared[i, 0] + slip_x * RELAXATION / SHEAR
             pull_y = sheared[i, 1] + slip_y * RELAXATION / SHEAR
             over = max(np.sqrt(pull_x**2 + pull_y**2), 1.0)
-            fx = -along * loads[i] * pull_x / over
-            fy = -across * loads[i] * pull_y / over
+            fx = -along * load * pull_x / over
+            fy = -across * load * pull_y / over
             force_x += fx
             force_y += fy
             moment += x * fy - y * fx

@@ -93,7 +93,12 @@ def T_urdf_dh(link: str, machine: Machine = BACKHOE) -> NDArray:
 
     Args:
         link: "base_yaw" (whose frame is the vehicle's), "swing", "boom", "stick" or "bucket".
+
+    Raises:
+        ValueError: there is no link of that name.
     """
+    if link not in ("base_yaw", *JOINTS):
+        raise ValueError(f"unknown link {link!r}: the links are base_yaw, {', '.join(JOINTS)}")
     T = np.eye(4)
     if link == "swing":
         swing = machine.swing

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import cos, sin
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +21,7 @@ from backhoe.kinematics import link_transforms
 from backhoe.machine import JOINTS
 from backhoe.shapes import Mesh
 from backhoe.sim import bullet, texture
+from backhoe.sim.camera import Camera
 
 if TYPE_CHECKING:
     from backhoe.sim.loop import Loop
@@ -40,64 +40,6 @@ SUN_DISTANCE = 300.0
 SUN_PIXELS = 1024
 SHADOW_MARGIN = 0.06
 """How far behind the nearest lit point a point must lie to be in the shadow [m]."""
-
-
-@dataclass(frozen=True)
-class _Camera:
-    """A pinhole camera: view and lens matrices as OpenGL has them, picture (rows, columns)."""
-
-    view: NDArray
-    lens: NDArray
-    shape: tuple[int, int]
-    near: float
-    far: float
-
-    @classmethod
-    def at(
-        cls,
-        eye: ArrayLike,
-        target: ArrayLike,
-        field_of_view: float,
-        shape: tuple[int, int],
-        near: float,
-        far: float,
-    ) -> _Camera:
-        """Looking from `eye` to `target`, upright; the field of view is the vertical one [rad]."""
-        eye, target = np.asarray(eye, float), np.asarray(target, float)
-        back = (eye - target) / np.linalg.norm(eye - target)
-        right = np.cross([0.0, 0.0, 1.0], back)
-        right /= np.linalg.norm(right)
-        view = np.eye(4)
-        view[:3, :3] = np.stack([right, np.cross(back, right), back])
-        view[:3, 3] = -view[:3, :3] @ eye
-        f = 1 / np.tan(field_of_view / 2)
-        lens = np.zeros((4, 4))
-        lens[0, 0], lens[1, 1] = f * shape[0] / shape[1], f
-        lens[2, 2:] = (far + near) / (near - far), 2 * far * near / (near - far)
-        lens[3, 2] = -1.0
-        return cls(view, lens, shape, near, far)
-
-    def distance(self, depth: NDArray) -> NDArray:
-        """Distance along the line of sight [m] from the depth buffer."""
-        return self.far * self.near / (self.far - (self.far - self.near) * depth)
-
-    def unproject(self, depth: NDArray) -> NDArray:
-        """World points of all pixels, shape (rows, columns, 3) [m]."""
-        rows, columns = self.shape
-        ahead = self.distance(depth)
-        x = ((np.arange(columns) + 0.5) / columns * 2 - 1) / self.lens[0, 0] * ahead
-        y = -((np.arange(rows) + 0.5) / rows * 2 - 1)[:, None] / self.lens[1, 1] * ahead
-        seen = np.stack([x, y, -ahead], axis=-1) - self.view[:3, 3]
-        return seen @ self.view[:3, :3]
-
-    def project(self, points: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-        """Row and column of each point and its distance along the line of sight [m]."""
-        rows, columns = self.shape
-        seen = points @ self.view[:3, :3].T + self.view[:3, 3]
-        ahead = -seen[..., 2]
-        column = (seen[..., 0] / ahead * self.lens[0, 0] + 1) / 2 * columns
-        row = (1 - seen[..., 1] / ahead * self.lens[1, 1]) / 2 * rows
-        return np.floor(row).astype(int), np.floor(column).astype(int), ahead
 
 
 class Renderer:
@@ -143,14 +85,14 @@ class Renderer:
         self._pose_machine()
         self._show_soil()
         shape = height * samples, width * samples
-        camera = _Camera.at(eye, target, field_of_view, shape, 0.1, 4 * HORIZON)
+        camera = Camera.at(eye, target, field_of_view, shape, 0.1, 4 * HORIZON)
         colours, depth, seen = self._look(camera)
         if shadow:
             colours = colours * self._shade(camera, depth)[..., None]
         colours = np.where(seen[..., None], colours, _sky(shape[0])[:, None])
         return _downsample(colours, samples)
 
-    def _look(self, camera: _Camera) -> tuple[NDArray, NDArray, NDArray]:
+    def _look(self, camera: Camera) -> tuple[NDArray, NDArray, NDArray]:
         """Colours (rows, columns, 3), depth and whether something is seen (rows, columns)."""
         engine, (rows, columns) = self._engine, camera.shape
         _, _, colours, depth, bodies = engine.getCameraImage(
@@ -171,7 +113,7 @@ class Renderer:
         depth = np.reshape(np.array(depth), (rows, columns))
         return colours[..., :3], depth, np.reshape(np.array(bodies), (rows, columns)) >= 0
 
-    def _shade(self, camera: _Camera, depth: NDArray) -> NDArray:
+    def _shade(self, camera: Camera, depth: NDArray) -> NDArray:
         """Light that is left where the sun does not reach, 0..1, shape (rows, columns).
 
         The scene is seen once from the sun; what the sun does not see lies in the shadow.
@@ -179,7 +121,7 @@ class Renderer:
         grid = self._world.scene.grid()
         middle = np.array([*(np.ptp(side) / 2 + side.min() for side in grid), 0.0])
         radius = 0.75 * max(np.ptp(side) for side in grid)
-        sun = _Camera.at(
+        sun = Camera.at(
             middle + SUN_DISTANCE * SUN,
             middle,
             2 * np.arctan(radius / SUN_DISTANCE),

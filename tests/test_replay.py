@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace as variant
+from hashlib import sha256
 from html.parser import HTMLParser
 from importlib.resources import files
 from types import SimpleNamespace
@@ -336,9 +337,23 @@ def test_page_can_be_saved(tmp_path):
 
 def test_player_is_in_the_package_and_small():
     player = (files("backhoe") / "player" / "player.js").read_bytes()
-    notice = player[:200].decode()
+    notice = player[:250].decode()
     assert "three.js" in notice and "MIT" in notice
     assert len(waving(2).page()) < 250_000
+
+
+def test_player_was_built_from_its_sources():
+    """`sh build.sh` writes their digest into the first line of player.js."""
+    folder = files("backhoe") / "player"
+    sources = sorted((folder / "src").iterdir(), key=lambda path: path.name)
+    sources += [folder / "package.json", folder / "package-lock.json"]
+    digest = sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    assert f"Sources {digest}." in (folder / "player.js").read_text(encoding="utf-8")[:250]
+
+
+def test_lock_file_names_no_host():
+    lock = (files("backhoe") / "player" / "package-lock.json").read_text(encoding="utf-8")
+    assert "://" not in lock and '"integrity"' in lock
 
 
 @pytest.mark.parametrize(

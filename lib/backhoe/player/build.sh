@@ -8,12 +8,13 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cp -R "$here/src" "$here/package.json" "$here/package-lock.json" "$work"
 cd "$work"
+sources=$(LC_ALL=C sh -c "cat src/* package.json package-lock.json" | sha256sum | cut -c1-16)
 npm ci --silent --no-audit --no-fund
 version=$(node -p 'require("./package.json").devDependencies.three')
 notice="three.js $version, (c) three.js authors, SPDX-License-Identifier: MIT, see LICENSE-three.txt"
 node_modules/.bin/esbuild src/main.js --bundle --minify --target=es2022 --charset=utf8 \
     --format=iife --global-name=backhoePlayer --loader:.css=text --legal-comments=none \
-    --banner:js="/* Backhoe replay player, built by build.sh. Contains $notice. */" \
+    --banner:js="/* Backhoe replay player, built by build.sh. Sources $sources. Contains $notice. */" \
     --log-level=warning --outfile=player.js
 if [ "${1:-}" = "--check" ]; then
     cmp player.js "$here/player.js"

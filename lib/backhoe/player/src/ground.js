@@ -3,7 +3,9 @@ import { BufferAttribute, BufferGeometry, Color, Mesh } from "three";
 import { groundMaterial } from "./look.js";
 
 const FAR = 220;
+const OVERLAP = 0.03; // of the surroundings and a field, so that no crack shows [m]
 const UNDER = 0.03; // an empty bed hides below the floor [m]
+const DUST = 0.01; // what counts as empty [m]
 
 export class Field {
   constructor(field, strength) {
@@ -62,7 +64,7 @@ export class Field {
 
   height(i) {
     const height = this.now[this.bed ? this.inside(i) : i] * this.step;
-    return this.origin[2] + (this.bed && height <= 0 ? -UNDER : height);
+    return this.origin[2] + (this.bed && height < DUST ? -UNDER : height);
   }
 
   // the outermost cells of a bed lie in its walls: the load reaches into them
@@ -141,11 +143,12 @@ function gridFaces(rows, columns) {
 // flat ground to the horizon with a hole where a field lies
 export class Surround {
   constructor(field, strength) {
-    const [x0, y0] = field ? field.origin : [0, 0];
-    const x1 = field ? x0 + field.cell * (field.shape[1] - 1) : 0;
-    const y1 = field ? y0 + field.cell * (field.shape[0] - 1) : 0;
+    const [x0, y0] = field ? field.origin.map((start) => start + OVERLAP) : [0, 0];
+    const x1 = field ? x0 + field.cell * (field.shape[1] - 1) - 2 * OVERLAP : 0;
+    const y1 = field ? y0 + field.cell * (field.shape[0] - 1) - 2 * OVERLAP : 0;
     const rectangles = [
-      [-FAR, -FAR, FAR, y0], [-FAR, y1, FAR, FAR], [-FAR, y0, x0, y1], [x1, y0, FAR, y1],
+      [-FAR, -FAR, FAR, y0], [-FAR, y1, FAR, FAR], [-FAR, y0 - OVERLAP, x0, y1 + OVERLAP],
+      [x1, y0 - OVERLAP, FAR, y1 + OVERLAP],
     ];
     const corners = rectangles.flatMap(([a, b, c, d]) => [a, b, 0, c, b, 0, a, d, 0, c, d, 0]);
     const count = corners.length / 3;
@@ -157,6 +160,7 @@ export class Surround {
     geometry.setIndex(rectangles.flatMap((_, r) => [0, 1, 2, 1, 3, 2].map((k) => 4 * r + k)));
     this.object = new Mesh(geometry, groundMaterial(strength));
     this.object.receiveShadow = true;
+    this.object.position.z = field ? -0.004 : 0;
   }
 
   use(theme) {

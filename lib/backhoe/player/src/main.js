@@ -187,7 +187,7 @@ class Player {
     if (!on) return;
     this.orbit.target.copy(this.followed());
     this.followedLast = this.followed();
-    this.orbit.distance = 7.5;
+    this.orbit.distance = 9;
     this.orbit.update();
   }
 

@@ -1,7 +1,7 @@
 """Loops over very many postures, compiled by Numba from the same `terms`.
 
-Imported on first use: Numba takes half a second to load and each loop a second to compile, which it
-then keeps in its cache on disk.
+Imported on first use: Numba takes half a second to load, and each loop a second or two to compile
+the first time ever; the result stays in Numba's cache on disk.
 """
 
 from __future__ import annotations

@@ -1,0 +1,87 @@
+"""How fast the simulation runs, beside PyBullet's bare stepping of the same world.
+
+    python benchmarks/sim.py [seconds of simulated time]
+
+Prints times faster than real time, by processor time of this process; the best of three runs.
+"""
+
+from __future__ import annotations
+
+import sys
+from time import process_time
+
+import numpy as np
+
+from backhoe import dynamics, pid, sim
+
+RUNS = 3
+DIG = np.radians([[-90, 12, -5, 75], [-90, -4, 5, 70], [-90, 0, -30, 20], [-90, 25, -45, -20]])
+
+
+def follow(world, seconds):
+    """The joint PID at 1 kHz along way-points that dig; times faster than real time."""
+    controller = pid.PID(*pid.ARM_GAINS, world.machine.torque_limit)
+    steps = round(seconds / world.dt)
+    way = np.vstack([world.q, DIG])
+    at = np.linspace(0, len(way) - 1, steps)
+    q_ref = np.stack([np.interp(at, np.arange(len(way)), column) for column in way.T], axis=1)
+    dq_ref = np.gradient(q_ref, world.dt, axis=0)
+    holding = dynamics.gravity_torque(q_ref)
+    start = process_time()
+    for step in range(steps):
+        feedback = controller(q_ref[step], dq_ref[step], world.q, world.dq, world.dt)
+        world.step(feedback + holding[step])
+    return seconds / (process_time() - start)
+
+
+def bare(world, seconds):
+    """PyBullet's own step with constant torques and nothing read."""
+    engine, client, body = world._engine, world._client, world._body
+    hold = world._forces.tolist()
+    start = process_time()
+    for _ in range(round(seconds / world.dt)):
+        engine.setJointMotorControlArray(
+            body, world._moving, engine.TORQUE_CONTROL, forces=hold, physicsClientId=client
+        )
+        engine.stepSimulation(physicsClientId=client)
+    return seconds / (process_time() - start)
+
+
+def best(measure, seconds, **options):
+    speeds = []
+    for _ in range(RUNS):
+        with sim.open_world(**options) as world:
+            world.step(dynamics.gravity_torque(world.q))
+            speeds.append(measure(world, seconds))
+    return max(speeds)
+
+
+def picture(shadow):
+    times = []
+    with sim.open_world(backend="pybullet") as world:
+        for _ in range(RUNS + 1):
+            world.ground.terrain.touch()
+            start = process_time()
+            world.render(640, 480, shadow=shadow)
+            times.append(process_time() - start)
+    return min(times[1:])
+
+
+def main(seconds: float = 8.0) -> None:
+    rows = [
+        ("PyBullet, bare stepSimulation", best(bare, seconds, backend="pybullet", soil=False)),
+        ("PyBullet, PID at 1 kHz, no soil", best(follow, seconds, backend="pybullet", soil=False)),
+        ("PyBullet, PID at 1 kHz, digging", best(follow, seconds, backend="pybullet")),
+        ("analytic, PID at 1 kHz, no soil", best(follow, seconds, backend="analytic", soil=False)),
+        ("analytic, PID at 1 kHz, digging", best(follow, seconds, backend="analytic")),
+    ]
+    for name, speed in rows:
+        print(f"{name:<34}{speed:7.1f} x real time   {rows[0][1] / speed:5.1f} x bare")
+    for shadow in (False, True):
+        print(
+            f"picture 640 x 480, new terrain, shadow {shadow!s:<6}{1e3 * picture(shadow):6.0f} ms"
+        )
+
+
+if __name__ == "__main__":
+    main(*map(float, sys.argv[1:]))

@@ -6,19 +6,20 @@
 
 World frame: x forward, y left, z up. T_tip is the pose of the bucket's tip frame: origin at the
 teeth, x from the pin through the teeth, y towards the back plate, z across. What is where:
-`terrain` (the map), `earthmoving` (strength of soil), `soil_force` (force on the bucket),
-`bucket_fill` (what it holds), `bucket_pose`, `soil_kernels` (the loops).
+`terrain` (the map), `digging` (the shell in the soil), `bucket_fill` (what it holds), `earthmoving`
+(strength of soil), `soil_force` (force on the bucket), `bucket_pose`, `soil_kernels` (the loops).
 """
 
 from __future__ import annotations
 
-from math import ceil, inf, isfinite, sin
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.bucket_fill import BucketFill
-from backhoe.bucket_pose import BucketPose, between, distance, from_transform, turn, wrapped
+from backhoe.bucket_pose import BucketPose, distance, from_transform, wrapped
+from backhoe.digging import Digger
 from backhoe.earthmoving import LOAM, SoilParameters
 from backhoe.machine import BACKHOE, Machine
 from backhoe.soil_force import Contact, Resistance, SoilForce
@@ -28,16 +29,12 @@ __all__ = ["LOAM", "Ground", "SoilParameters", "Terrain"]
 
 SWEEPS = 4
 """How many cells far loose soil slides in one advance."""
-ACROSS = 13
-"""Points on the bucket's width where soil falls and the depth is measured."""
 EMPTYING_TIME = 0.15
 """Time constant of the last of the outflow [s]."""
 CRUMBS = 1e-4
 """What is left of an emptying bucket's load falls at once when it is less than this [m^3]."""
 LONGEST_STEP = 1.0
 """A tip that moves further than this in one advance [m] was put there, not driven."""
-
-NO_CONTACT = Contact()
 
 
 class Ground:
@@ -76,17 +73,12 @@ class Ground:
             raise TypeError(f"bed must be a soil.Terrain or None, got {type(bed).__name__}")
         if not 0 < hold < inf:
             raise ValueError(f"hold must be a positive time in s, got {hold!r}")
-        from backhoe import soil_kernels
-
-        self._kernels = soil_kernels
         self.terrain, self.bed = terrain, bed
         self.parameters, self.machine = parameters, machine
         self.fill = BucketFill(machine.shell, parameters.repose)
         self.bucket_volume = self.off_map_volume = self.moment = 0.0
         self._strength = SoilForce(parameters, machine, hold)
-        self._profile = np.array(machine.shell.profile)
-        self._half = machine.shell.width / 2
-        self._covered: tuple[int, int, int, int] | None = None
+        self._digger = Digger(terrain, machine.shell, self._strength.give)
         self._before: BucketPose | None = None
         self._felt: Resistance | None = None
         terrain.relax(parameters.repose)
@@ -134,7 +126,11 @@ class Ground:
                 f"the tip jumped from {before.tip} to {now.tip} m in one advance: after placing "
                 "the machine by hand call forget_pose()"
             )
-        contact = self._dig(before, now)
+        taken, missed, contact = self._digger.move(
+            before, now, self.fill.heaped - self.bucket_volume
+        )
+        self.bucket_volume += taken
+        self.off_map_volume += missed
         self._spill(now, dt)
         self._settle()
         pitch_rate = wrapped(now.pitch - before.pitch) / dt
@@ -193,78 +189,12 @@ class Ground:
         *force, self.moment = self._felt.wrench(z, velocity)
         return np.array(force)
 
-    def _dig(self, before: BucketPose, now: BucketPose) -> Contact:
-        """Drive the shell from one pose to the next in steps of at most half a cell."""
-        shell = self.machine.shell
-        lowest = min(before.tip[2], now.tip[2]) - 2 * self._strength.mouth
-        if lowest > self.terrain.top:
-            return NO_CONTACT
-        swept = abs(wrapped(now.pitch - before.pitch)) + abs(turn(before, now))
-        path = distance(before, now) + swept * (self._strength.mouth + shell.width / 2)
-        steps = max(ceil(path / (self.terrain.cell / 2)), 1)
-        last, contact = before, NO_CONTACT
-        for step in range(1, steps + 1):
-            here = now if step == steps else between(before, now, step / steps)
-            contact = self._dig_step(last, here)
-            last = here
-        return contact
-
-    def _dig_step(self, last: BucketPose, here: BucketPose) -> Contact:
-        ground = self.terrain
-        self._lift_shell()
-        cut, pressed, area, sunk, lever, u_low, u_high, self._covered = self._kernels.dig(
-            ground.heights, ground.floor, ground.ceiling, ground.frame, ground.box,
-            self._profile, last.tip, here.tip, here.heading, here.pitch,
-            self._half, self._strength.give,
-        )  # fmt: skip
-        if cut > 0.0 or pressed > 0.0:
-            ground.version += 1
-            pressed += self._scoop(last, here, cut)
-            self._push_aside(last, here, pressed, u_low, u_high)
-        return Contact(area, sunk, lever) if area > 0.0 else NO_CONTACT
-
-    def _scoop(self, last: BucketPose, here: BucketPose, cut: float) -> float:
-        """Take what was cut through the mouth, heap what has no room before it.
-
-        Returns what the edge moved away from the mouth, which cannot get in [m^3].
-        """
-        dx, dy, dz = (b - a for a, b in zip(last.tip, here.tip, strict=True))
-        along, _ = here.components(dx, dy)
-        mouth_along, mouth_up = sin(here.pitch), -np.cos(here.pitch)
-        if along * mouth_along + dz * mouth_up < 0.0:
-            return cut
-        taken = min(cut, max(self.fill.heaped - self.bucket_volume, 0.0))
-        self.bucket_volume += taken
-        ahead = self._before_mouth(here)
-        self._lay(here, (ahead, -self._half), (ahead, self._half), cut - taken)
-        return 0.0
-
-    def _before_mouth(self, here: BucketPose) -> float:
-        """Nearest u in front of the mouth from where no soil gets under the shell [m]."""
-        return 1.5 * self.terrain.cell * here.mouth_side
-
-    def _push_aside(
-        self, last: BucketPose, here: BucketPose, volume: float, u_low: float, u_high: float
-    ) -> None:
-        """Lay what the shell displaced beside its footprint, on the side to which it moved."""
-        dx, dy, dz = (b - a for a, b in zip(last.tip, here.tip, strict=True))
-        along, across = here.components(dx, dy)
-        margin, half = 1.5 * self.terrain.cell, self._half
-        if abs(along) > max(abs(dz), abs(across)):
-            u = u_high + margin if along > 0 else u_low - margin
-            self._lay(here, (u, -half), (u, half), volume)
-        elif abs(across) > abs(dz):
-            v = half + margin if across > 0 else -half - margin
-            self._lay(here, (u_low, v), (u_high, v), volume)
-        else:
-            for v in (-half - margin, half + margin):
-                self._lay(here, (u_low, v), (u_high, v), volume / 2)
-
     def _spill(self, now: BucketPose, dt: float) -> None:
         """Let what the bucket cannot hold at its pitch fall over the lower lip."""
         if self.bucket_volume <= 0.0:
             return
-        support = self._depth(now, 2 * now.mouth_side) if now.tip[2] < self.terrain.top else 0.0
+        in_air = now.tip[2] > self.terrain.top
+        support = 0.0 if in_air else self._digger.depth(now, 2 * now.mouth_side)
         surplus = self.bucket_volume - self.fill.retained(now.pitch, support)
         if surplus <= 0.0:
             return
@@ -272,52 +202,25 @@ class Ground:
         if self.bucket_volume - falls < CRUMBS:
             falls = self.bucket_volume
         self.bucket_volume -= falls
-        shell_u, shell_z = self._kernels.turned(self._profile, now.pitch)
-        lip, below = (0.0, 0.0) if shell_z[-1] >= 0 else (shell_u[-1], shell_z[-1])
-        u = lip + self._before_mouth(now)
-        self._lay(now, (u, -self._half), (u, self._half), falls, now.tip[2] + below)
+        self._drop(now, falls)
 
-    def _lay(
-        self,
-        here: BucketPose,
-        start: tuple[float, float],
-        end: tuple[float, float],
-        volume: float,
-        height: float = -inf,
-    ) -> None:
-        """Let a volume fall from `height` along a line between two (u, v): truck, else ground."""
-        if volume <= 0.0:
-            return
-        ground, bed = self.terrain, self.bed
-        over_bed = bed is not None and height > -inf
-        below = bed if over_bed else ground
-        self.off_map_volume += self._kernels.pour(
-            ground.heights, ground.frame, ground.box, over_bed,
-            below.heights, below.frame, below.box,
-            here.point(*start), here.point(*end), height, volume, ACROSS,
-        )  # fmt: skip
-        ground.version += 1
-        below.version += over_bed
+    def _drop(self, now: BucketPose, volume: float) -> None:
+        """Let soil fall from the lower lip, over the whole width: into the truck, else past it."""
+        lip, below = self._digger.lower_lip(now)
+        u, half, z = lip + self._digger.before_mouth(now), self._digger.half, now.tip[2] + below
+        start, end = now.point(u, -half), now.point(u, half)
+        if self.bed is not None:
+            volume = self.bed.lay(start, end, volume, from_height=z)
+        self.off_map_volume += self.terrain.lay(start, end, volume)
 
     def _settle(self) -> None:
         """Let loose soil slide a few cells; the truck's overflow falls beside it."""
         repose, ground, bed = self.parameters.repose, self.terrain, self.bed
         ground.relax(repose, SWEEPS)
-        self._lift_shell()
+        self._digger.lift()
         if bed is not None and not bed.settled:
             bed.relax(repose, SWEEPS)
-            fell, missed = self._kernels.overflow(
-                bed.heights, bed.floor, bed.frame, ground.heights, ground.frame, ground.box
-            )
-            self.off_map_volume += missed
-            ground.version += fell > 0.0
-
-    def _lift_shell(self) -> None:
-        """Free the soil's surface where the shell was."""
-        if self._covered is not None:
-            i, end_i, j, end_j = self._covered
-            self.terrain.ceiling[i:end_i, j:end_j] = inf
-            self._covered = None
+            self.off_map_volume += bed.overflow_onto(ground)
 
     def _feel(
         self,
@@ -328,17 +231,9 @@ class Ground:
     ) -> Resistance | None:
         if now.tip[2] > self.terrain.top and contact.area == 0.0:
             return None
-        depth = self._depth(now, 1.5 * self._strength.ahead(now, velocity))
+        depth = self._digger.depth(now, 1.5 * self._strength.ahead(now, velocity))
         volume, before = self.bucket_volume, self._felt
         return self._strength.resistance(now, velocity, contact, depth, volume, pitch_rate, before)
-
-    def _depth(self, now: BucketPose, cells: float) -> float:
-        """Mean height of the soil above the teeth, some cells along the heading [m]."""
-        ground = self.terrain
-        u = cells * ground.cell
-        return self._kernels.cut_depth(
-            ground.heights, ground.frame, now.tip, now.heading, u, self._half, ACROSS
-        )
 
 
 def _vector(name: str, values: ArrayLike) -> tuple[float, float, float]:

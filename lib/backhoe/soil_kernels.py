@@ -16,6 +16,8 @@ from numba import njit
 
 STEEPNESS_TOLERANCE = 1.005
 """A slope slides when it is steeper than the angle of repose by this factor."""
+ACROSS = 13
+"""Points on the bucket's width where soil falls and the depth is measured."""
 ROUNDING = 1e-9
 """The edge may pass a cell twice, but it must not miss one between two steps."""
 
@@ -136,19 +138,17 @@ def height_at(heights, grid, x, y):
 
 
 @njit(cache=True)
-def pour(heights, grid, box, over_bed, bed, bed_grid, bed_box, start, end, z, volume, points):
-    """Let a volume fall evenly along the line start-end from height z: into the bed, else past it.
+def lay(heights, grid, box, start, end, z, volume):
+    """Let a volume fall from height z evenly along the line start-end.
 
-    Returns the volume that missed the map.
+    Returns the volume that missed the map, or met soil higher than z.
     """
-    missed, share = 0.0, volume / points
-    for k in range(points):
-        part = (k + 0.5) / points
+    missed, share = 0.0, volume / ACROSS
+    for k in range(ACROSS):
+        part = (k + 0.5) / ACROSS
         x = start[0] + part * (end[0] - start[0])
         y = start[1] + part * (end[1] - start[1])
-        if over_bed and -inf < height_at(bed, bed_grid, x, y) < z:
-            drop_on(bed, bed_grid, x, y, share, bed_box)
-        elif not drop_on(heights, grid, x, y, share, box):
+        if height_at(heights, grid, x, y) >= z or not drop_on(heights, grid, x, y, share, box):
             missed += share
     return missed
 
@@ -285,12 +285,12 @@ def dig(heights, base, ceiling, grid, box, profile, last, tip, heading, pitch, h
 
 
 @njit(cache=True)
-def cut_depth(heights, grid, tip, heading, u, half, points):
+def cut_depth(heights, grid, tip, heading, u, half):
     """Mean height of the soil above the tip's level on a line across, at u along the heading."""
     total = 0.0
-    for k in range(points):
-        v = half * (2.0 * (k + 0.5) / points - 1.0)
+    for k in range(ACROSS):
+        v = half * (2.0 * (k + 0.5) / ACROSS - 1.0)
         x = tip[0] + u * heading[0] + v * heading[1]
         y = tip[1] + u * heading[1] - v * heading[0]
         total += max(height_at(heights, grid, x, y) - tip[2], 0.0)
-    return total / points
+    return total / ACROSS

@@ -197,6 +197,41 @@ class Terrain:
         self.heights += weight * (volume / (weight.sum() * self.cell**2))
         self.touch()
 
+    def lay(
+        self,
+        start: tuple[float, float],
+        end: tuple[float, float],
+        volume: float,
+        from_height: float = np.inf,
+    ) -> float:
+        """Lay a volume evenly along the line from `start` to `end`.
+
+        Returns:
+            The part that found no place: beside the map, or over soil above `from_height` [m^3].
+        """
+        if volume <= 0:
+            return volume
+        from backhoe.soil_kernels import lay
+
+        missed = lay(self.heights, self.frame, self.box, start, end, from_height, volume)
+        self.version += missed < volume
+        return missed
+
+    def overflow_onto(self, ground: Terrain) -> float:
+        """Tip what lies on the outermost cells, the walls of a bed, onto the ground beside them.
+
+        Returns:
+            What fell beside the ground's map [m^3].
+        """
+        from backhoe.soil_kernels import overflow
+
+        fell, missed = overflow(
+            self.heights, self.floor, self.frame, ground.heights, ground.frame, ground.box
+        )
+        self.version += fell > 0
+        ground.version += fell > missed
+        return missed
+
     def relax(self, repose: float, sweeps: int = SETTLING_SWEEPS) -> int:
         """Let slopes steeper than `repose` [rad] slide; returns how many sweeps found slides.
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from math import ceil
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from numpy.typing import NDArray
 from backhoe import dynamics, kinematics, pid, sim
 from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.mission.parts import PARTS, WayPoint, hand_made_plan, smooth_trajectory
+
+if TYPE_CHECKING:
+    from backhoe.replay import Recorder, Replay
 
 LOG_EVERY = 10
 
@@ -22,7 +26,8 @@ class Run:
     """What happened: the log at 100 Hz, the way-points, and what became of the soil.
 
     `time` (n,) [s]; `q`, `q_ref` (n, 4) [rad]; `torque` (n, 4) [N m]; `bucket_volume`,
-    `truck_volume` (n,) [m^3]; `reached` (k, 4) against `wanted` (k, 4), stick's tip [m] and bucket
+    `truck_volume` (n,) [m^3]; `in_the_air` (n,) whether the bucket is empty and touches no soil;
+    `reached` (k, 4) against `wanted` (k, 4), stick's tip [m] and bucket
     angle [rad] at each way-point; `soil_lost` is the largest change of the sum of all soil [m^3];
     `swapped` names the student's parts.
     """
@@ -38,13 +43,26 @@ class Run:
     torque: NDArray
     bucket_volume: NDArray
     truck_volume: NDArray
+    in_the_air: NDArray
     soil_lost: float
     wanted: NDArray
     reached: NDArray
-    recorder: object = field(default=None, repr=False)
+    recorder: Recorder | None = field(default=None, repr=False)
 
-    def replay(self, title: str = "Dig and load", alt: str = ""):
-        """The run as a 3D replay for the notebook; needs `record=True`."""
+    def replay(
+        self,
+        title: str = "Dig and load",
+        alt: str = "3D replay of the backhoe digging and loading a truck",
+    ) -> Replay:
+        """The run as a 3D replay for the notebook.
+
+        Args:
+            title: what stands above it.
+            alt: what it shows, for readers who do not see it.
+
+        Raises:
+            ValueError: the run was not recorded, or title or alt is empty.
+        """
         if self.recorder is None:
             raise ValueError("this run was not recorded: call mission.run(record=True)")
         return self.recorder.replay(title=title, alt=alt)
@@ -121,7 +139,7 @@ def run(
         The run, with its log.
 
     Raises:
-        ValueError: no cycles, a part that returns the wrong shape or values that are not finite,
+        ValueError: no cycles, a world without soil, a part that returns the wrong shape or values that are not finite,
             a way-point that a joint cannot reach in its time.
         TypeError: a part of an unknown name, or one that cannot be called.
     """
@@ -147,6 +165,8 @@ def run(
 def _drive(
     world: sim.Simulation, cycles: int, given: dict, swapped: tuple[str, ...], record: bool
 ) -> Run:
+    if world.ground is None:
+        raise ValueError("the mission needs soil: open the world with soil=True")
     machine, dt = world.machine, world.dt
     inverse, gravity, controller = _followers(given, machine)
     waypoints = _plan(given["plan"] or hand_made_plan, cycles)
@@ -158,6 +178,7 @@ def _drive(
     _within_speed(waypoints, times, t, dq_ref, machine)
 
     recorder = _recorder(world) if record else None
+    departures = {round(time / dt): index for index, time in enumerate(times[:-1])}
     arrivals = {round(time / dt): index for index, time in enumerate(times[1:])}
     reached = np.zeros_like(wanted)
     log = []
@@ -165,14 +186,16 @@ def _drive(
         q, dq = world.q, world.dq
         if step in arrivals:
             reached[arrivals[step]] = kinematics.pose(q, machine=machine)
+        if recorder is not None and step in departures:
+            recorder.label(waypoints[departures[step]].name)
         if step % LOG_EVERY == 0:
             ground = world.ground
             volumes = ground.bucket_volume, ground.truck_volume, ground.total_volume
-            log.append((q.copy(), world.torque.copy(), *volumes))
+            log.append((q.copy(), world.torque.copy(), *volumes, world.soil_force.any()))
             if recorder is not None:
                 recorder.capture()
         world.step(controller(q_ref[step], dq_ref[step], q, dq, dt) + gravity(q))
-    q_log, torque_log, bucket, truck, total = map(np.array, zip(*log, strict=True))
+    q_log, torque_log, bucket, truck, total, touching = map(np.array, zip(*log, strict=True))
     return Run(
         swapped=swapped,
         cycles=cycles,
@@ -185,6 +208,7 @@ def _drive(
         torque=torque_log,
         bucket_volume=bucket,
         truck_volume=truck,
+        in_the_air=~touching & (bucket < 1e-6),
         soil_lost=float(np.abs(total - total[0]).max()),
         wanted=wanted,
         reached=reached,
@@ -221,7 +245,7 @@ def _reference(
     return np.asarray(pair[0], dtype=float), np.asarray(pair[1], dtype=float)
 
 
-def _recorder(world: sim.Simulation):
+def _recorder(world: sim.Simulation) -> Recorder:
     from backhoe import replay
 
     return replay.Recorder(world)

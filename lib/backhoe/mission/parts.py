@@ -65,15 +65,15 @@ PARTS = {
 
 
 STROKE = (
-    ("reach out", 4.5, 6.5, 3.0, 72),
-    ("cut in", 1.8, 6.4, 1.9, 84),
+    ("turn to the heap", 4.5, 6.3, 4.2, 60),
+    ("cut in", 2.5, 6.4, 1.9, 84),
     ("pull", 2.4, 5.6, 1.55, 83),
     ("curl", 2.0, 6.1, 0.6, 6),
-    ("lift", 2.5, 6.15, 2.0, -26),
+    ("lift", 3.0, 6.0, 3.4, -36),
 )
 """Name, seconds, reach from the swing axis [m], height [m], bucket angle [deg] of the digging."""
 
-TIPPING = (("swing to the truck", 4.5, -26), ("tip out", 2.8, 100), ("empty", 0.5, 100))
+TIPPING = (("swing to the truck", 4.0, -30), ("tip out", 2.8, 100), ("empty", 0.5, 100))
 """Name, seconds and bucket angle [deg] of what happens above the truck."""
 
 STRIPS = ((0.0, 0.0), (10.0, 0.2), (-10.0, 0.2))

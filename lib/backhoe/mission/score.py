@@ -17,7 +17,7 @@ class Score:
 
     `soil` in the truck [m^3], `time` [s], `waypoint_error` the mean distance from a wanted to a
     reached stick's tip [m], `bucket_error` the same of the bucket joint [rad], `tracking` the root
-    mean square of q_ref - q [rad].
+    mean square of q_ref - q while the bucket is empty and in the air [rad].
     """
 
     soil: float
@@ -35,7 +35,7 @@ class Score:
             ("time [s]", "{:.1f}", lambda score: score.time),
             ("way-point error [cm]", "{:.0f}", lambda score: 100 * score.waypoint_error),
             ("bucket error [deg]", "{:.0f}", lambda score: np.degrees(score.bucket_error)),
-            ("tracking error [deg]", "{:.1f}", lambda score: np.degrees(score.tracking)),
+            ("error in the air [deg]", "{:.1f}", lambda score: np.degrees(score.tracking)),
         ]
         heads = ["yours" if self.swapped else "library", "library"][: len(columns)]
         parts = ", ".join(self.swapped) or "none"
@@ -49,12 +49,13 @@ class Score:
 
 def _measure(run: Run) -> Score:
     distance = np.linalg.norm(run.reached[:, :3] - run.wanted[:, :3], axis=-1)
+    error = run.q_ref - run.q
     return Score(
         soil=float(run.truck_volume[-1]),
         time=float(run.time[-1]),
         waypoint_error=float(distance.mean()),
         bucket_error=float(np.abs(run.reached[:, 3] - run.wanted[:, 3]).mean()),
-        tracking=float(np.sqrt(np.mean((run.q_ref - run.q) ** 2))),
+        tracking=float(np.sqrt(np.mean(error[run.in_the_air] ** 2))),
         swapped=run.swapped,
     )
 

@@ -9,7 +9,7 @@ from backhoe.plots.style import DARK, GREY, ORANGE, figure, styled
 
 STAGES = {
     "machine": ("the numbers", "machine"),
-    "dynamics": ("the machine moves", "dynamics, soil"),
+    "dynamics": ("how it moves", "dynamics, soil"),
     "sensors": ("what it feels", "encoders, IMU, eyes"),
     "localisation": ("where am I?", "odometry, EKF"),
     "map": ("what is around?", "clouds, octree"),

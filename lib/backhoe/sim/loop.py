@@ -6,6 +6,7 @@ changes, `_carry`. Forces come from `forces`, the soil's answer at 100 Hz from `
 
 from __future__ import annotations
 
+import weakref
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,6 +27,11 @@ STEP = 0.001
 TICKS_PER_DIG = 10
 """Steps between two visits to the soil: 100 Hz."""
 
+STANDING = (0.0, 0.0)
+"""Belt speeds of a machine that stands [m/s]."""
+
+_STILL = np.zeros(2)
+
 RUNAWAY = 50.0
 """A rate of the machine that no controller gives on purpose [rad/s or m/s]."""
 
@@ -41,6 +47,7 @@ class Snapshot:
     ticks: int
     arrays: tuple[NDArray, ...]
     payload: float
+    near_soil: bool
     ground: object
     engine: object
 
@@ -118,7 +125,7 @@ class Loop:
     def soil_force(self) -> NDArray:
         return self._soil[:3].copy()
 
-    def step(self, torque: ArrayLike, belts: ArrayLike = (0.0, 0.0)) -> None:
+    def step(self, torque: ArrayLike, belts: ArrayLike = STANDING) -> None:
         """Advance by one step of 1 ms.
 
         Torques beyond the machine's limits are cut as its actuators would; `torque` says what was
@@ -136,7 +143,7 @@ class Loop:
         if self._closed:
             self._refuse()
         torque = np.asarray(torque, dtype=float)
-        belts = np.asarray(belts, dtype=float)
+        belts = _STILL if belts is STANDING else np.asarray(belts, dtype=float)
         if torque.shape != (4,) or belts.shape != (2,) or not self._push(torque, belts):
             _complain(torque, belts)
         self._integrate(self._forces)
@@ -168,7 +175,7 @@ class Loop:
             raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
         self._ticks = 0
         self._applied, self._forces = np.zeros(4), np.zeros(7)
-        self._soil = np.zeros(4)
+        self._soil, self._near_soil = np.zeros(4), True
         self._belts = np.zeros(2)
         self._sheared = np.zeros_like(self._patches)
         self.ground = _ground(self.machine, self.scene, self.seed) if self._soil_wanted else None
@@ -178,14 +185,17 @@ class Loop:
     def snapshot(self) -> Snapshot:
         """Everything that the future depends on; pass it to `restore`."""
         self._check_open()
-        return Snapshot(
+        made = Snapshot(
             self._token,
             self._ticks,
             tuple(array.copy() for array in self._state()),
             float(self._parameters["payload"][0]),
+            self._near_soil,
             None if self.ground is None else self.ground.snapshot(),
             self._engine_snapshot(),
         )
+        weakref.finalize(made, self._engine_forget, made.engine)
+        return made
 
     def restore(self, snapshot: Snapshot) -> None:
         """Go back to a snapshot; what follows then repeats bit for bit.
@@ -202,6 +212,7 @@ class Loop:
             array[:] = saved
         if self.ground is not None:
             self.ground.restore(snapshot.ground)
+        self._near_soil = snapshot.near_soil
         self._load(snapshot.payload)
         self._engine_restore(snapshot.engine)
 
@@ -254,6 +265,9 @@ class Loop:
     def _engine_restore(self, state: object) -> None:
         """Go back to what `_engine_snapshot` returned."""
 
+    def _engine_forget(self, state: object) -> None:
+        """Release what `_engine_snapshot` returned: its snapshot is gone."""
+
     def _state(self) -> tuple[NDArray, ...]:
         return (
             self._q,
@@ -281,17 +295,21 @@ class Loop:
         )
 
     def _dig(self) -> None:
-        """Let the soil move on at 100 Hz and feel it at 1 kHz."""
+        """Let the soil move on at 100 Hz and, near it, feel it at 1 kHz."""
+        visit = self._ticks % TICKS_PER_DIG == 0
+        if not (visit or self._near_soil):
+            return
         T_world_tip, velocity = forces.tip_motion(self._q, self._dq, self._parameters)
-        if self._ticks % TICKS_PER_DIG == 0:
+        if visit:
             if not velocity @ velocity < RUNAWAY**2:
                 self._run_away()
             self._soil[:3] = self.ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
-            self._soil[3] = self.ground.moment
             self._load(self.ground.payload)
-        elif T_world_tip[2, 3] - self.machine.bucket.length < self.ground.terrain.top:
+            margin = self.machine.bucket.length + RUNAWAY * TICKS_PER_DIG * self.dt
+            self._near_soil = T_world_tip[2, 3] - margin < self.ground.terrain.top
+        else:
             self._soil[:3] = self.ground.force(T_world_tip[:3, 3], velocity)
-            self._soil[3] = self.ground.moment
+        self._soil[3] = self.ground.moment
 
     def _load(self, payload: float) -> None:
         if payload != self._parameters["payload"][0] or self._ticks == 0:

@@ -153,6 +153,10 @@ class BulletWorld(Loop):
     def _engine_restore(self, state: int) -> None:
         self._engine.restoreState(stateId=state, physicsClientId=self._client)
 
+    def _engine_forget(self, state: int) -> None:
+        if not self._closed:
+            self._engine.removeState(state, physicsClientId=self._client)
+
     def _carry(self, payload: float) -> None:
         inertia = self.machine.bucket.inertia
         self._engine.changeDynamics(

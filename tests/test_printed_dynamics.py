@@ -4,13 +4,16 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+
 from backhoe import dynamics, published
 from backhoe.machine import BACKHOE, replace
 from backhoe.printed import dynamics as printed
-from scipy.integrate import solve_ivp
+from backhoe.variants import reading, scaled
 
 CASES = published.load("mastalli_2013_free_fall")
 START = np.radians(CASES["start_deg"])
+GIANT = scaled(2.0)  # every inertia must be four times as large
 
 
 @pytest.fixture
@@ -32,28 +35,6 @@ def slopes(function, q, step=1e-5):
     """Derivatives of function(q) by each joint, on a new last axis."""
     return np.stack(
         [(function(q + step * e) - function(q - step * e)) / (2 * step) for e in np.eye(4)], -1
-    )
-
-
-def doubled(machine=BACKHOE):
-    """Every length twice as long, every mass the same, so every inertia four times as large."""
-    links = {
-        name: replace(
-            link, length=2 * link.length, com_radius=2 * link.com_radius, inertia=4 * link.inertia
-        )
-        for name, link in zip(("boom", "stick", "bucket"), machine.links, strict=True)
-    }
-    swing = machine.swing
-    return replace(
-        machine,
-        base=replace(machine.base, offset=2 * machine.base.offset),
-        swing=replace(
-            swing,
-            offset=2 * swing.offset,
-            com_radius=2 * swing.com_radius,
-            inertia=4 * swing.inertia,
-        ),
-        **links,
     )
 
 
@@ -144,10 +125,10 @@ def test_printed_mass_matrix_fails_within_the_joint_limits_too(rng):
 
 
 def test_printed_m22_does_not_scale_like_an_inertia():
-    small, large = (printed.mass_matrix(START, machine=m) for m in (BACKHOE, doubled()))
+    small, large = (printed.mass_matrix(START, machine=m) for m in (BACKHOE, GIANT))
     off = np.abs(large / small - 4) > 1e-9
     assert np.argwhere(off).tolist() == [[1, 1]]
-    exact = dynamics.mass_matrix(START, machine=doubled()) / 4
+    exact = dynamics.mass_matrix(START, machine=GIANT) / 4
     np.testing.assert_allclose(exact, dynamics.mass_matrix(START), rtol=1e-12)
 
 
@@ -204,11 +185,11 @@ def test_printed_forms_are_not_symmetric(q):
 
 
 def test_first_row_of_the_printed_c1_lacks_a_length():
-    small, large = (printed.coriolis_forms(START, machine=m) for m in (BACKHOE, doubled()))
+    small, large = (printed.coriolis_forms(START, machine=m) for m in (BACKHOE, GIANT))
     np.testing.assert_allclose(large[0, 0, 1] / small[0, 0, 1], 2.0)
     np.testing.assert_allclose(large[1, 1:, 1:] / small[1, 1:, 1:], 4.0)
     right = np.array([[0.3, 0.2, -0.1, 0.4]])
-    C, C_large = (dynamics.coriolis_matrix(START, right, machine=m) for m in (BACKHOE, doubled()))
+    C, C_large = (dynamics.coriolis_matrix(START, right, machine=m) for m in (BACKHOE, GIANT))
     np.testing.assert_allclose(C_large, 4 * C, rtol=1e-9, atol=1e-9)
 
 
@@ -268,15 +249,7 @@ def readings():
         [start + sign * size for start, sign in product((-90.0, 0.0), (1, -1))] for size in sizes
     ]
     for offsets in product(*choices):
-        stick, stick_cm, bucket, bucket_cm = np.radians(offsets)
-        yield (
-            np.array(offsets),
-            replace(
-                BACKHOE,
-                stick=replace(BACKHOE.stick, angle_offset=stick, com_angle=stick_cm),
-                bucket=replace(BACKHOE.bucket, angle_offset=bucket, com_angle=bucket_cm),
-            ),
-        )
+        yield np.array(offsets), reading(offsets)
 
 
 def along_the_link(offsets):

@@ -4,7 +4,14 @@ Every drawing function returns a Matplotlib figure; `show(fig, alt)` puts it int
 """
 
 from backhoe.plots.drawing import arm, elbows, frames, posture
-from backhoe.plots.dynamics import candidates, falls, field, gravity_map, holding, weights
+from backhoe.plots.dynamics import (
+    candidates,
+    falls,
+    gravity_map,
+    holding,
+    least_eigenvalue,
+    weights,
+)
 from backhoe.plots.interactive import sliders
 from backhoe.plots.reach import reachable, singularities, velocity_ellipses, workspace
 from backhoe.plots.run import joint_tracking, soil
@@ -22,12 +29,12 @@ __all__ = [
     "draw_lines",
     "elbows",
     "falls",
-    "field",
     "figure",
     "frames",
     "gravity_map",
     "holding",
     "joint_tracking",
+    "least_eigenvalue",
     "lines",
     "png",
     "posture",

@@ -1,6 +1,6 @@
 """Figures of forces and motion: weights on the arm, fields over it, falls in sequence."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe import dynamics, kinematics
-from backhoe.machine import BACKHOE, Machine, replace
+from backhoe.machine import BACKHOE, Machine
 from backhoe.plots.drawing import (
     HEIGHT_LABEL,
     draw_arm,
@@ -17,6 +17,7 @@ from backhoe.plots.drawing import (
     side_axes,
 )
 from backhoe.plots.style import DARK, GREEN, GREY, LINK_COLOURS, RED, figure, styled
+from backhoe.variants import loaded
 
 SIDE = (-2.6, 8.8, -2.6, 6.0)
 
@@ -89,35 +90,28 @@ def gravity_map(joint: int = 1, machine: Machine = BACKHOE) -> Figure:
 
 
 @styled
-def field(
-    x: ArrayLike,
-    y: ArrayLike,
-    values: ArrayLike,
-    xlabel: str,
-    ylabel: str,
-    label: str,
-    title: str = "",
+def least_eigenvalue(
+    mass_matrix: Callable[[NDArray], NDArray], bucket: float = 90.0, machine: Machine = BACKHOE
 ) -> Figure:
-    """A quantity over two axes as colours, blue below zero and red above, with the line of zero.
+    """Least eigenvalue of an inertia matrix over boom and stick, with the line where it is zero.
 
     Args:
-        x, y: axis values, shapes (n,) and (m,).
-        values: shape (m, n).
-        xlabel, ylabel, label: quantities with units.
-
-    Raises:
-        ValueError: the shapes do not fit.
+        mass_matrix: function of q, shape (..., 4) [rad], that gives M, shape (..., 4, 4).
+        bucket: angle of the bucket's joint [deg].
+        machine: whose joint limits the axes span.
     """
-    values = np.asarray(values, dtype=float)
-    if values.shape != (len(y), len(x)):
-        raise ValueError(f"values must have shape {(len(y), len(x))}, got {values.shape}")
-    fig, ax = figure(6.8, 4.2)
+    boom, stick = (np.linspace(machine.lower[joint], machine.upper[joint], 121) for joint in (1, 2))
+    q = np.zeros((121, 121, 4))
+    q[..., 1], q[..., 2], q[..., 3] = boom, stick[:, None], np.radians(bucket)
+    values = np.linalg.eigvalsh(mass_matrix(q))[..., 0]
     limit = np.abs(values).max()
+    x, y = np.degrees(boom), np.degrees(stick)
+    fig, ax = figure(6.8, 4.2)
     bands = ax.contourf(x, y, values, levels=np.linspace(-limit, limit, 21), cmap="RdBu_r")
-    fig.colorbar(bands, ax=ax, label=label, format="%.0f")
+    fig.colorbar(bands, ax=ax, label="least eigenvalue of M [kg m²]", format="%.0f")
     if values.min() < 0 < values.max():
         ax.contour(x, y, values, levels=[0.0], colors=DARK, linewidths=1.4)
-    ax.set(xlabel=xlabel, ylabel=ylabel, title=title)
+    ax.set(xlabel="boom [deg]", ylabel="stick [deg]", title=f"bucket at {bucket:g} deg")
     ax.grid(False)
     return fig
 
@@ -163,24 +157,24 @@ def falls(
 
 
 @styled
-def candidates(
-    readings: Mapping[str, tuple[Machine, float]], q: ArrayLike, unit: str = "kN m"
-) -> Figure:
-    """Readings of a table set side by side: the arm that each one means, and how far it misses.
+def candidates(readings: Mapping[str, Machine], q: ArrayLike, torque: ArrayLike) -> Figure:
+    """Readings of a table side by side: the arm that each means, and how far its gravity misses.
 
     Args:
-        readings: title -> machine in that reading and its miss, in `unit`.
+        readings: title -> machine in that reading.
         q: joint angles of every arm, shape (4,) [rad].
+        torque: gravity torque that the arm should have at q, shape (4,) [N m].
     """
     count = len(readings)
     fig, axes = figure(6.8, 1.3 + 3.6 / count, 1, count, sharey=True, squeeze=False)
-    for ax, (title, (machine, miss)) in zip(axes[0], readings.items(), strict=True):
+    for ax, (title, machine) in zip(axes[0], readings.items(), strict=True):
         draw_arm(ax, q, machine, alpha=0.6)
         side_axes(ax, (0.0, 9.4, -0.8, 4.2), None)
         for name in LINK_COLOURS:
             point = _centre_of_mass(q, name, machine)
             ax.plot(*point, "o", ms=7, color=LINK_COLOURS[name], mec=DARK, zorder=8)
-        ax.set_title(f"{title}\nmisses by {miss:.2f} {unit}")
+        miss = np.abs(dynamics.gravity_torque(q, machine=machine) - torque).max() / 1e3
+        ax.set_title(f"{title}\nmisses by {miss:.2f} kN m")
         ax.set_xlabel("reach [m]")
     axes[0, 0].set_ylabel("height [m]")
     return fig
@@ -188,34 +182,32 @@ def candidates(
 
 @styled
 def holding(
-    boom: float, stick: float, bucket: float, load: float, machine: Machine = BACKHOE
+    boom: float, stick: float, bucket: float, load: float = 1.0, machine: Machine = BACKHOE
 ) -> Figure:
-    """The arm in a posture beside the torques that hold it there, with a load in the bucket.
+    """The arm in a posture beside the torques that hold it there, empty and with a load.
 
     Args:
         boom, stick, bucket: joint angles [deg].
-        load: extra mass at the bucket's centre of mass [t].
+        load: extra mass at the bucket's centre of mass [t], for the striped bars.
     """
-    heavy = replace(machine, bucket=replace(machine.bucket, mass=machine.bucket.mass + 1e3 * load))
+    full = loaded(1e3 * load, machine)
     q = np.radians([0.0, boom, stick, bucket])
-    torque = dynamics.gravity_torque(q, machine=heavy) / 1e3
-    fig, (ax, bars) = figure(6.8, 3.9, 1, 2, width_ratios=(1.5, 1.0))
+    fig, (ax, bars) = figure(6.8, 3.9, 1, 2, width_ratios=(1.4, 1.0))
     draw_arm(ax, q, machine)
-    side_axes(ax, SIDE, machine)
+    side_axes(ax, (-2.6, 9.2, -4.4, 8.0), machine)
     ax.set_ylabel(HEIGHT_LABEL)
-    colours = list(LINK_COLOURS.values())
-    bars.barh(list(LINK_COLOURS), torque[1:], color=colours, edgecolor=DARK)
-    for row, value in enumerate(torque[1:]):
-        bars.annotate(
-            f"{value:.1f}",
-            (value, row),
-            (4 if value >= 0 else -4, 0),
-            textcoords="offset points",
-            va="center",
-            ha="left" if value >= 0 else "right",
-        )
+    for shift, hatch, variant in ((-0.2, "", machine), (0.2, "///", full)):
+        torque = dynamics.gravity_torque(q, machine=variant)[1:] / 1e3
+        look = {"color": list(LINK_COLOURS.values()), "edgecolor": DARK, "hatch": hatch}
+        rows = np.arange(3) + shift
+        bars.barh(rows, torque, height=0.36, alpha=0.9 if hatch == "" else 0.55, **look)
+        for row, value in zip(rows, torque, strict=True):
+            away = {"xytext": (4 if value >= 0 else -4, 0), "textcoords": "offset points"}
+            side = "left" if value >= 0 else "right"
+            bars.annotate(f"{value:.1f}", (value, row), **away, va="center", ha=side, size=9)
     bars.axvline(0.0, color=DARK, lw=1)
-    bars.set(xlim=(-130, 290), xlabel="holding torque [kN m]")
+    bars.set(xlim=(-150, 330), xlabel="holding torque [kN m]", title=f"striped: with {load:g} t")
+    bars.set_yticks(range(3), list(LINK_COLOURS))
     bars.invert_yaxis()
     return fig
 
@@ -246,4 +238,4 @@ def _coloured(fig: Figure, ax: Axes, x: NDArray, y: NDArray, values: NDArray, la
     fig.colorbar(bands, ax=ax, label=label)
 
 
-__all__ = ["candidates", "falls", "field", "gravity_map", "holding", "weights"]
+__all__ = ["candidates", "falls", "gravity_map", "holding", "least_eigenvalue", "weights"]

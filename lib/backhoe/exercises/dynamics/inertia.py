@@ -7,9 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe import dynamics, kinematics
 from backhoe.check import Exercise, Mistake
-from backhoe.exercises.dynamics.postures import RADIANS, postures
-from backhoe.machine import BACKHOE, replace
+from backhoe.exercises.dynamics.postures import RADIANS, postures, variant
+from backhoe.machine import BACKHOE
 from backhoe.printed import dynamics as printed
+from backhoe.variants import loaded
 
 CENTRES = ("swing_com", "boom_com", "stick_com", "bucket_com")
 BODIES = (BACKHOE.swing, *BACKHOE.links)
@@ -18,8 +19,7 @@ FOLDED = BACKHOE.stick.angle_offset + BACKHOE.bucket.com_angle
 
 def loaded_mass_matrix(q: ArrayLike, load: float) -> NDArray:
     """M(q) with `load` kg at the bucket's centre of mass [kg m^2]."""
-    bucket = replace(BACKHOE.bucket, mass=BACKHOE.bucket.mass + load)
-    return dynamics.mass_matrix(q, machine=replace(BACKHOE, bucket=bucket))
+    return dynamics.mass_matrix(q, machine=loaded(load))
 
 
 def _point_load(q: ArrayLike, load: float, frame: str) -> NDArray:
@@ -82,7 +82,7 @@ MASS_MATRIX = Exercise(
         ),
         Mistake(
             "load for mass",
-            lambda q, load: loaded_mass_matrix(q, load - BACKHOE.bucket.mass),
+            lambda q, load: dynamics.mass_matrix(q, variant(bucket={"mass": load})),
             "the bucket itself weighs something too: add the load to its mass",
         ),
         Mistake(

@@ -18,6 +18,7 @@ nb_merge_streams = True
 nb_ipywidgets_js = {}
 nb_mime_priority_overrides = [("html", WIDGET, None)]
 
+pygments_dark_style = "one-dark"
 html_theme = "furo"
 html_title = "Backhoe"
 html_static_path = ["_static"]

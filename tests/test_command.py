@@ -6,40 +6,40 @@ import subprocess
 import sys
 
 import pytest
+from jupyterlab.labapp import LabApp
 
 from backhoe import __main__, workspace
 
 
 @pytest.fixture
-def called(monkeypatch):
-    """What would have been started instead of JupyterLab."""
-    calls = []
-
-    def call(command, env):
-        calls.append((command, env))
-        return 0
-
-    monkeypatch.setattr(workspace.subprocess, "call", call)
-    return calls
+def started(monkeypatch):
+    """The arguments with which JupyterLab would have been started."""
+    arguments = []
+    monkeypatch.setattr(LabApp, "launch_instance", arguments.extend)
+    monkeypatch.setenv("JUPYTER_CONFIG_PATH", "mine")  # and put back what the command changes
+    return arguments
 
 
-def test_lab_opens_the_tour_from_any_folder_and_passes_arguments_on(called, monkeypatch, tmp_path):
+def test_lab_opens_the_tour_from_any_folder_and_passes_arguments_on(started, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     assert __main__.main(["lab", "--no-browser", "--port=9000"]) == 0
-    ((command, _),) = called
-    assert command[:3] == [sys.executable, "-m", "jupyterlab"]
-    assert command[3] == str(workspace.root() / "notebooks" / "00_tour.ipynb")
-    assert command[-2:] == ["--no-browser", "--port=9000"]
+    assert started[0] == str(workspace.root() / "notebooks" / "00_tour.ipynb")
+    assert started[-2:] == ["--no-browser", "--port=9000"]
 
 
-def test_lab_turns_announcements_off_and_keeps_the_students_settings(called, monkeypatch):
-    monkeypatch.setenv("JUPYTER_CONFIG_PATH", "mine")
+def test_lab_turns_announcements_off_and_keeps_the_students_settings(started):
     __main__.main(["lab"])
-    folders = called[0][1]["JUPYTER_CONFIG_PATH"].split(os.pathsep)
+    folders = os.environ["JUPYTER_CONFIG_PATH"].split(os.pathsep)
     assert folders[1] == "mine"
     with open(os.path.join(folders[0], "labconfig", "page_config.json"), encoding="utf-8") as file:
         disabled = json.load(file)["disabledExtensions"]
     assert disabled == {"@jupyterlab/apputils-extension:announcements": True}
+
+
+def test_missing_jupyterlab_sends_to_the_doctor(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "jupyterlab.labapp", None)
+    assert __main__.main(["lab"]) == 1
+    assert "`backhoe doctor` says what to install" in capsys.readouterr().err
 
 
 def test_unknown_command_and_argument_are_refused(capsys):

@@ -25,26 +25,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if further and options.command != "lab":
         parser.error(f"unrecognised arguments: {' '.join(further)}")
 
-    if options.command == "lab":
-        from backhoe import workspace
+    try:
+        return _run(options.command, further, getattr(options, "output", None))
+    except (FileExistsError, FileNotFoundError, ModuleNotFoundError, RuntimeError) as error:
+        print(f"backhoe {options.command}: {error}", file=sys.stderr)
+        return 1
 
-        return workspace.open_lab(further)
-    if options.command == "doctor":
+
+def _run(command: str, further: Sequence[str], output: str | None) -> int:
+    if command == "doctor":
         from backhoe import doctor
 
         return doctor.report(doctor.examine())
-    return _lessons(options.output)
+    if command == "lab":
+        from backhoe import workspace
 
+        workspace.open_lab(further)
+    else:
+        from backhoe import lessons
 
-def _lessons(output: str | None) -> int:
-    from backhoe import lessons
-
-    try:
-        folder = lessons.build(output)
-    except (ModuleNotFoundError, FileExistsError, FileNotFoundError, RuntimeError) as error:
-        print(f"backhoe lessons: {error}", file=sys.stderr)
-        return 1
-    print(f"open {folder / 'index.html'}")
+        print(f"open {lessons.build(output) / 'index.html'}")
     return 0
 
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -26,17 +24,24 @@ def root() -> Path:
     return folder
 
 
-def open_lab(arguments: Sequence[str] = ()) -> int:
-    """Open JupyterLab on the tour and return its exit code when it ends.
+def open_lab(arguments: Sequence[str] = ()) -> None:
+    """Open JupyterLab on the tour; it runs until it is stopped.
 
     Args:
         arguments: passed on to JupyterLab, such as `--no-browser`.
+
+    Raises:
+        ModuleNotFoundError: JupyterLab is not installed.
+        FileNotFoundError: the notebooks are not beside the library.
     """
+    try:
+        from jupyterlab.labapp import LabApp
+    except ModuleNotFoundError as error:
+        fix = "`backhoe doctor` says what to install"
+        raise ModuleNotFoundError(f"JupyterLab is missing ({error}); {fix}") from error
+
     settings = str(Path(__file__).with_name("jupyter"))  # no news, no question about them
     paths = [settings, *filter(None, [os.environ.get("JUPYTER_CONFIG_PATH")])]
+    os.environ["JUPYTER_CONFIG_PATH"] = os.pathsep.join(paths)
     tour = root() / "notebooks" / "00_tour.ipynb"
-    command = [sys.executable, "-m", "jupyterlab", str(tour), f"--ServerApp.root_dir={root()}"]
-    return subprocess.call(
-        [*command, *arguments],
-        env={**os.environ, "JUPYTER_CONFIG_PATH": os.pathsep.join(paths)},
-    )
+    LabApp.launch_instance([str(tour), f"--ServerApp.root_dir={root()}", *arguments])

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
-from backhoe import dynamics, kinematics, mission
+
+from backhoe import dynamics, kinematics, mission, sim
 from backhoe.machine import BACKHOE, replace
-from backhoe.mission.parts import CUTTING
 
 BUCKET = BACKHOE.shell.struck_capacity
 
@@ -21,11 +21,16 @@ def test_no_soil_is_made_or_lost(one_cycle):
     assert one_cycle.soil_lost < 1e-6 * BUCKET
 
 
-def test_way_points_in_the_air_are_reached_within_the_width_of_a_hand(one_cycle):
+def test_the_empty_arm_reaches_its_way_points_and_the_loaded_one_hangs_over_the_bed(one_cycle):
+    names = [point.name for point in one_cycle.waypoints]
     distance = np.linalg.norm(one_cycle.reached[:, :3] - one_cycle.wanted[:, :3], axis=-1)
-    in_the_air = [point.name not in CUTTING for point in one_cycle.waypoints]
-    assert distance[in_the_air].max() < 0.1
-    assert distance.max() < 0.4
+    assert distance[names.index("turn to the heap")] < 0.05
+    assert distance[names.index("empty")] < 0.05
+    x, y, z, _ = one_cycle.reached[names.index("swing to the truck")]
+    truck = sim.LOADING.truck
+    assert abs(x - truck.x) < (truck.bed_length - BACKHOE.shell.width) / 2
+    assert abs(y - truck.y) < truck.bed_width / 2
+    assert z > truck.wall + BACKHOE.bucket.length
 
 
 def test_joints_stay_inside_their_limits_and_torques_inside_theirs(one_cycle):

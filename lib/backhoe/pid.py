@@ -1,8 +1,8 @@
 """Joint PID control: one proportional, integral and derivative gain for each joint.
 
-The law is eq. (3.1) of Mastalli 2013, tau = K_p e + K_i int e + K_d de/dt, with e = q_ref - q and the
-derivative taken from measured joint speeds. Lesson 03 derives the gains; those of `ARM_GAINS` are
-ours, chosen for the tour with `gravity_torque` added to the PID.
+The law is eq. (3.1) of Mastalli 2013, tau = K_p e + K_i int e + K_d de/dt, with e = q_ref - q and
+the derivative taken from measured joint speeds. Lesson 03 derives the gains; those of `ARM_GAINS`
+are ours, chosen for the tour with `gravity_torque` added to the PID.
 """
 
 from __future__ import annotations

@@ -139,8 +139,8 @@ def run(
         The run, with its log.
 
     Raises:
-        ValueError: no cycles, a world without soil, a part that returns the wrong shape or values that are not finite,
-            a way-point that a joint cannot reach in its time.
+        ValueError: no cycles, a world without soil, a part that returns the wrong shape or values
+            that are not finite, a way-point that a joint cannot reach in its time.
         TypeError: a part of an unknown name, or one that cannot be called.
     """
     if isinstance(cycles, bool) or not isinstance(cycles, int) or cycles < 1:

@@ -25,7 +25,7 @@ def _vectors_at(arm, q):
     return _vectors(arm, cos(p2), sin(p2), cos(p3), sin(p3), cos(p4), sin(p4))
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def mass_matrices(arm, q, M):
     """Fill M (n, 4, 4) for the postures q (n, 4)."""
     for i in range(len(q)):
@@ -41,7 +41,7 @@ def mass_matrices(arm, q, M):
         M[i, 3, 3] = M44
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def inverse_dynamics(arm, q, dq, ddq, tau):
     """Fill tau (n, 4) for the motions q, dq, ddq (n, 4)."""
     for i in range(len(q)):

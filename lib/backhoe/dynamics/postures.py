@@ -1,8 +1,8 @@
 """The terms at one posture, in floats, and at many, in arrays: arrangement only.
 
 A single call in floats takes a third of the time of NumPy on arrays of one. Many postures go
-through NumPy in tiles that fit the processor's cache; from `MANY` on, mass matrix and inverse
-dynamics go through loops compiled by Numba when it is installed. The numbers agree to rounding.
+through NumPy tile by tile; from `MANY` on, mass matrix and inverse dynamics go through loops
+compiled by Numba when it is installed. The numbers agree to rounding.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from backhoe.dynamics.terms import (
     vectors,
 )
 from backhoe.machine import Machine
+from backhoe.tiles import for_each_tile
 
 MANY = 200_000
 TILE = 4096
@@ -34,10 +35,7 @@ TILE = 4096
 def evaluate(
     write: Callable, tail: tuple[int, ...], machine: Machine, *vectors: NDArray
 ) -> NDArray:
-    """Call `write(out, arm, posture, *others)` for one posture in floats, for many in arrays.
-
-    Many postures go in tiles that fit the processor's cache.
-    """
+    """Call `write(out, arm, posture, *others)` for one posture in floats, for many in arrays."""
     arm = arm_of(machine)
     if all(vector.ndim == 1 for vector in vectors):
         out = np.zeros(tail)
@@ -47,14 +45,18 @@ def evaluate(
     lead = _common_shape(vectors)
     flat = [np.broadcast_to(vector, (*lead, 4)).reshape(-1, 4) for vector in vectors]
     out = np.empty((len(flat[0]), *tail))
-    compiled = _COMPILED.get(write)
-    if compiled and len(out) >= MANY and _run_compiled(compiled, arm, flat, out):
-        return out.reshape(lead + tail)
-    for start in range(0, len(out), TILE):
-        tile = slice(start, start + TILE)
+    compiled = _compiled(write) if len(out) >= MANY else None
+
+    def evaluate_tile(tile: slice) -> None:
         out[tile] = 0.0
         first, *others = (np.ascontiguousarray(vector[tile].T) for vector in flat)
         write(out[tile], arm, posture(arm, first, np.cos, np.sin), *others)
+
+    def run_compiled_tile(tile: slice) -> None:
+        parts = (np.require(vector[tile], requirements=("C", "W")) for vector in flat)
+        compiled(Arm(*map(float, arm)), *parts, out[tile])
+
+    for_each_tile(run_compiled_tile if compiled else evaluate_tile, len(out), TILE)
     return out.reshape(lead + tail)
 
 
@@ -65,15 +67,15 @@ def posture(arm: Arm, q: list[float] | NDArray, cos: Callable, sin: Callable) ->
     return vectors(arm, cos(p2), sin(p2), cos(p3), sin(p3), cos(p4), sin(p4))
 
 
-def _run_compiled(name: str, arm: Arm, flat: list[NDArray], out: NDArray) -> bool:
-    """Use the compiled loop if Numba is there; say whether it was."""
+def _compiled(write: Callable) -> Callable | None:
+    """The compiled loop that does what `write` does; None without one or without Numba."""
+    if write not in _COMPILED:
+        return None
     try:
         from backhoe.dynamics import compiled
     except ImportError:
-        return False
-    plain = Arm(*map(float, arm))
-    getattr(compiled, name)(plain, *(np.require(v, requirements=("C", "W")) for v in flat), out)
-    return True
+        return None
+    return getattr(compiled, _COMPILED[write])
 
 
 def _common_shape(vectors: Sequence[NDArray]) -> tuple[int, ...]:

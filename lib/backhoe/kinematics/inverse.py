@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import BACKHOE, JOINTS, Machine
+from backhoe.tiles import for_each_tile
 
 __all__ = ["inverse_kinematics", "inverse_tip", "target_vector"]
 
@@ -56,7 +57,7 @@ def inverse_kinematics(
             and unless on_failure is "nan": a target is out of reach, on the swing axis, or outside
             a joint's limits.
     """
-    return _for_each_tile(_stick_to, target, elbow, machine, limits, on_failure)
+    return _solve_all(_stick_to, target, elbow, machine, limits, on_failure)
 
 
 def inverse_tip(
@@ -82,7 +83,7 @@ def inverse_tip(
     Raises:
         ValueError: as for `inverse_kinematics`.
     """
-    return _for_each_tile(_tip_to, target, elbow, machine, limits, on_failure)
+    return _solve_all(_tip_to, target, elbow, machine, limits, on_failure)
 
 
 def target_vector(target: ArrayLike) -> NDArray:
@@ -109,7 +110,7 @@ def target_vector(target: ArrayLike) -> NDArray:
     return target
 
 
-def _for_each_tile(
+def _solve_all(
     solve: Callable,
     target: ArrayLike,
     elbow: str,
@@ -117,7 +118,7 @@ def _for_each_tile(
     limits: bool,
     on_failure: str,
 ) -> NDArray:
-    """Solve in pieces that fit the processor's cache, then deal with what has no solution."""
+    """Solve tile by tile, then deal with what has no solution."""
     target = target_vector(target)
     if elbow not in _ELBOWS:
         raise ValueError(f'elbow must be "up" or "down", got {elbow!r}')
@@ -125,18 +126,18 @@ def _for_each_tile(
         raise ValueError(f'on_failure must be "raise" or "nan", got {on_failure!r}')
     targets = target.reshape(-1, 4)
     q = np.empty_like(targets)
-    failed = []
-    with np.errstate(invalid="ignore"):
-        for start in range(0, len(targets), _TILE):
-            tile = slice(start, start + _TILE)
+    solved = np.empty(len(targets), dtype=bool)
+
+    def solve_tile(tile: slice) -> None:
+        with np.errstate(invalid="ignore"):
             angles = solve(np.ascontiguousarray(targets[tile].T), _ELBOWS[elbow], machine)
             for joint, angle in enumerate(angles):
                 q[tile, joint] = angle
-            good = _within(angles, machine) if limits else np.isfinite(angles[1])
-            if not good.all():
-                failed.append(start + np.flatnonzero(~good))
-    if failed:
-        failed = np.concatenate(failed)
+            solved[tile] = _within(angles, machine) if limits else np.isfinite(angles[1])
+
+    for_each_tile(solve_tile, len(targets), _TILE)
+    if not solved.all():
+        failed = np.flatnonzero(~solved)
         if on_failure == "raise":
             first = failed[0]
             reason = _reason(solve, targets[first], q[first], machine)

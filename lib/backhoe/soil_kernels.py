@@ -98,7 +98,8 @@ def relax(heights, base, ceiling, box, limit, sweeps):
                 j = box[2] + b if sweep & 2 == 0 else box[3] - 1 - b
                 if slide(heights, base, ceiling, i, j, limit):
                     grow(moving, i, j, 2, heights.shape)
-        box[:] = moving
+        for k in range(4):
+            box[k] = moving[k]
         if box[0] >= box[1]:
             return sweep
     return sweeps
@@ -233,7 +234,9 @@ def dig(heights, base, ceiling, grid, box, profile, last, tip, heading, pitch, h
     """
     x0, y0, cell = grid
     shell_u, shell_z = turned(profile, pitch)
-    u_low, u_high = shell_u.min(), shell_u.max()
+    u_low, u_high = inf, -inf
+    for u in shell_u:
+        u_low, u_high = min(u_low, u), max(u_high, u)
     behind = -1.5 * cell if sin(pitch) > 0 else 1.5 * cell
     back = (last[0] - tip[0]) * heading[0] + (last[1] - tip[1]) * heading[1]
     aside = (last[0] - tip[0]) * heading[1] - (last[1] - tip[1]) * heading[0]

@@ -215,3 +215,41 @@ def test_the_boxes_that_collide_are_the_truck_that_is_drawn():
     for lower, upper in appearance.truck_boxes(truck):
         assert (lower > drawn.min(axis=0) - 1e-9).all()
         assert (upper < drawn.max(axis=0) + 1e-9).all()
+
+
+def test_rays_hit_the_ground_the_heap_and_the_load(world):
+    above = np.array([[-1.5, -4.0], [6.0, 0.0], [0.8, 5.3], [5.2, 0.7]])
+    rays = np.c_[above, np.full(4, 8.0)], np.c_[above, np.full(4, -3.0)]
+    expected = world.ground.terrain.height_at(above)
+    expected[2] = world.scene.truck.floor
+    np.testing.assert_allclose(world.cast_rays(*rays)[:, 2], expected, atol=0.01)
+    world.ground.bed.deposit(0.8, 5.3, 3.0, 0.8)
+    world.ground.terrain.deposit(6.0, 0.0, 1.0, 0.5)
+    hits = world.cast_rays(*rays)[:, 2]
+    assert hits[1] == pytest.approx(world.ground.terrain.height_at(above[1]), abs=0.01)
+    assert hits[2] == pytest.approx(world.ground.bed.height_at(above[2]), abs=0.01)
+
+
+def test_rays_hit_the_machine_where_it_is(world):
+    over = (0.0, 0.0, 6.0), [(0.0, 0.0, -1.0)]
+    assert world.cast_rays(*over)[0, 2] > 1.0
+    world.reset(pose=[-12.0, 0.0, 0.0])
+    assert world.cast_rays(*over)[0, 2] == pytest.approx(0.0, abs=0.05)
+
+
+def test_rays_that_hit_nothing_are_nan(world):
+    hits = world.cast_rays((0.0, 0.0, 6.0), [(0.0, 0.0, 50.0), (0.0, 0.0, -1.0)])
+    assert np.isnan(hits[0]).all() and np.isfinite(hits[1]).all()
+
+
+def test_rays_beyond_the_map_hit_the_flat_country(world):
+    np.testing.assert_allclose(
+        world.cast_rays((40.0, 3.0, 6.0), [(40.0, 3.0, -1.0)]), [[40.0, 3.0, 0.0]], atol=1e-4
+    )
+
+
+def test_rays_of_the_wrong_shape_are_refused(world):
+    with pytest.raises(ValueError, match=r"\(n, 3\) points, got"):
+        world.cast_rays((0.0, 0.0), [(0.0, 0.0, 1.0)])
+    with pytest.raises(ValueError, match="finite points"):
+        world.cast_rays((0.0, 0.0, np.nan), [(0.0, 0.0, 1.0)])

@@ -25,6 +25,7 @@ from backhoe.sim.camera import Camera
 
 if TYPE_CHECKING:
     from backhoe.sim.loop import Loop
+    from backhoe.sim.scene import Scene
 
 HORIZON = 160.0
 """Half side of the flat country around the scene [m]."""
@@ -36,6 +37,9 @@ SUN = np.array([-0.36, -0.48, 0.80])
 """Direction to the light."""
 
 AMBIENT, DIFFUSE = 0.55, 0.6
+THIN = 0.01
+"""Soil thinner than this is not drawn on the truck's floor [m]."""
+
 SUN_DISTANCE = 300.0
 SUN_PIXELS = 1024
 SHADOW_MARGIN = 0.06
@@ -69,7 +73,8 @@ class Renderer:
             (strut, [self._add((p.vertices, p.faces), p.colour) for p in (strut.barrel, strut.rod)])
             for strut in struts(world.machine)
         ]
-        self._add_country()
+        flat = country(world.scene)
+        self._add_ground(flat, np.tile([0.0, 0.0, 1.0], (len(flat[0]), 1)))
 
     def picture(
         self,
@@ -135,10 +140,16 @@ class Renderer:
         normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
         facing = np.maximum(normal @ SUN, 0.0)
         row, column, ahead = sun.project(points)
-        inside = (row >= 0) & (row < SUN_PIXELS) & (column >= 0) & (column < SUN_PIXELS)
-        nearest = sun.distance(sunlit)[np.where(inside, row, 0), np.where(inside, column, 0)]
-        dark = inside & (ahead > nearest + SHADOW_MARGIN)
-        return np.where(dark, AMBIENT / (AMBIENT + DIFFUSE * facing), 1.0)
+        margin = SHADOW_MARGIN / np.maximum(facing, 0.2)
+        nearest = np.pad(sun.distance(sunlit), 1, constant_values=np.inf)
+        dark = np.zeros(depth.shape)
+        for down, right in ((0, 0), (0, 1), (1, 0), (1, 1), (0, -1), (-1, 0), (-1, -1)):
+            at = (
+                np.clip(row + down, -1, SUN_PIXELS) + 1,
+                np.clip(column + right, -1, SUN_PIXELS) + 1,
+            )
+            dark += (ahead > nearest[at] + margin) / 7
+        return 1 - dark * (1 - AMBIENT / (AMBIENT + DIFFUSE * facing))
 
     def close(self) -> None:
         """Release the server and the texture."""
@@ -146,18 +157,7 @@ class Renderer:
         self._folder.cleanup()
 
     def _pose_machine(self) -> None:
-        world = self._world
-        x, y, yaw = world.pose
-        T_world_base = np.array(
-            [
-                [cos(yaw), -sin(yaw), 0, x],
-                [sin(yaw), cos(yaw), 0, y],
-                [0, 0, 1, 0],
-                [0, 0, 0, 1],
-            ]
-        )
-        T_links = T_world_base @ link_transforms(world.q, machine=world.machine)
-        frames = dict(zip(JOINTS, T_links, strict=True), undercarriage=T_world_base)
+        world, frames = self._world, link_frames(self._world)
         load = bucket_load(world.ground.bucket_volume, world.machine) if world.ground else None
         self._show("load", None if load is None else round(world.ground.bucket_volume, 4), load)
         for link, body in [*self._links, ("bucket", self._shown["load"][1])]:
@@ -176,7 +176,7 @@ class Renderer:
 
     def _place(self, body: int, T: NDArray) -> None:
         self._engine.resetBasePositionAndOrientation(
-            body, T[:3, 3].tolist(), _quaternion(T[:3, :3]), physicsClientId=self._client
+            body, T[:3, 3].tolist(), quaternion(T[:3, :3]), physicsClientId=self._client
         )
 
     def _show_soil(self) -> None:
@@ -191,8 +191,10 @@ class Renderer:
             inside = slice(1, -1), slice(1, -1)
             x, y = bed.grid()
             loaded = ground.truck_volume > 1e-3
+            bare = bed.heights - bed.floor < THIN
+            heights = np.where(bare, bed.floor - THIN, bed.heights)[inside]
             self._show_terrain(
-                "bed", (bed.version, loaded), (x[inside], y[inside]), bed.heights[inside], loaded
+                "bed", (bed.version, loaded), (x[inside], y[inside]), heights, loaded
             )
 
     def _show_terrain(
@@ -251,19 +253,6 @@ class Renderer:
         )
         return body
 
-    def _add_country(self) -> None:
-        scene = self._world.scene
-        x, y = scene.grid()
-        far = np.r_[np.arange(0.0, 20.0, 2.0), np.geomspace(20.0, HORIZON, 14)]
-        lines = [np.unique(np.r_[-far[::-1], far, side.min(), side.max()]) for side in (x, y)]
-        gx, gy = np.meshgrid(*lines)
-        vertices, faces = shapes.grid(gx, gy, np.zeros_like(gx))
-        middle = vertices[faces].mean(axis=1)
-        inside = (np.abs(middle[:, 0] - (x.min() + x.max()) / 2) < np.ptp(x) / 2) & (
-            np.abs(middle[:, 1] - (y.min() + y.max()) / 2) < np.ptp(y) / 2
-        )
-        self._add_ground((vertices, faces[~inside]), np.tile([0.0, 0.0, 1.0], (len(vertices), 1)))
-
     def _body(self, vertices: NDArray, indices: NDArray, normals: NDArray, **look: object) -> int:
         engine = self._engine
         shape = engine.createVisualShape(
@@ -278,6 +267,30 @@ class Renderer:
         return engine.createMultiBody(baseVisualShapeIndex=shape, physicsClientId=self._client)
 
 
+def country(scene: Scene) -> Mesh:
+    """The flat ground around the scene's grid, out to the horizon."""
+    x, y = scene.grid()
+    far = np.r_[np.arange(0.0, 20.0, 2.0), np.geomspace(20.0, HORIZON, 14)]
+    lines = [np.unique(np.r_[-far[::-1], far, side.min(), side.max()]) for side in (x, y)]
+    around_x, around_y = np.meshgrid(*lines)
+    vertices, faces = shapes.grid(around_x, around_y, np.zeros_like(around_x))
+    middle = vertices[faces].mean(axis=1)
+    inside = (np.abs(middle[:, 0] - (x.min() + x.max()) / 2) < np.ptp(x) / 2) & (
+        np.abs(middle[:, 1] - (y.min() + y.max()) / 2) < np.ptp(y) / 2
+    )
+    return vertices, faces[~inside]
+
+
+def link_frames(world: Loop) -> dict[str, NDArray]:
+    """Poses in the world, (4, 4) each: undercarriage, swing, boom, stick, bucket."""
+    x, y, yaw = world.pose
+    T_world_base = np.array(
+        [[cos(yaw), -sin(yaw), 0, x], [sin(yaw), cos(yaw), 0, y], [0, 0, 1, 0], [0, 0, 0, 1]]
+    )
+    T_links = T_world_base @ link_transforms(world.q, machine=world.machine)
+    return dict(zip(JOINTS, T_links, strict=True), undercarriage=T_world_base)
+
+
 def _grid_normals(heights: NDArray, grid: tuple[NDArray, NDArray]) -> NDArray:
     x, y = grid
     slope_y, slope_x = np.gradient(heights, y[:, 0], x[0])
@@ -285,7 +298,7 @@ def _grid_normals(heights: NDArray, grid: tuple[NDArray, NDArray]) -> NDArray:
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-def _quaternion(R: NDArray) -> list[float]:
+def quaternion(R: NDArray) -> list[float]:
     """The rotation as a quaternion xyzw, for the frames of an upright arm."""
     diagonal = np.array([R[0, 0], R[1, 1], R[2, 2]])
     squares = np.array([*(1 + 2 * diagonal - diagonal.sum()), 1 + diagonal.sum()])

@@ -33,7 +33,7 @@ class BulletWorld(Loop):
     backend = "pybullet"
 
     def _open(self) -> None:
-        self._renderer = None
+        self._renderer = self._rays = None
         self._engine = bullet.pybullet()
         self._client = bullet.connect()
         engine, client = self._engine, self._client
@@ -115,9 +115,39 @@ class BulletWorld(Loop):
             self._renderer = Renderer(self)
         return self._renderer.picture(width, height, eye, target, field_of_view, shadow, samples)
 
+    def cast_rays(self, start: ArrayLike, end: ArrayLike) -> NDArray:
+        """Where rays first hit machine, truck or soil, as a laser scanner would.
+
+        Args:
+            start, end: ends of the rays in the world, shape (n, 3) [m]; a single start (3,) serves
+                all.
+
+        Returns:
+            First hits from the start, shape (n, 3) [m]; NaN where a ray hits nothing.
+
+        Raises:
+            ValueError: another shape, or a value that is not finite.
+            RuntimeError: the simulation is closed.
+        """
+        self._check_open()
+        end = np.asarray(end, dtype=float)
+        start = np.asarray(start, dtype=float)
+        if end.ndim != 2 or end.shape[1] != 3 or start.shape not in ((3,), end.shape):
+            raise ValueError(
+                f"rays go from (3,) or (n, 3) to (n, 3) points, got {start.shape} and {end.shape}"
+            )
+        if not (np.isfinite(start).all() and np.isfinite(end).all()):
+            raise ValueError("rays must start and end at finite points")
+        if self._rays is None:
+            from backhoe.sim.rays import Rays
+
+            self._rays = Rays(self)
+        return self._rays.cast(np.broadcast_to(start, end.shape), end)
+
     def _shut(self) -> None:
-        if self._renderer is not None:
-            self._renderer.close()
+        for view in (self._renderer, self._rays):
+            if view is not None:
+                view.close()
         self._engine.disconnect(physicsClientId=self._client)
 
     def _integrate(self, pushed: NDArray) -> None:

@@ -1,4 +1,3 @@
-from dataclasses import replace
 from math import cos, pi, radians, sin, tan
 
 import numpy as np
@@ -303,7 +302,7 @@ def test_digging_takes_power_and_never_gives_any():
             for x in (6.6, 6.5):
                 ground.advance(tip_pose(x, -depth, radians(pitch_deg)), [-0.3, 0, 0], DT)
             assert ground._felt.load == 0
-            ground._felt = replace(ground._felt, bearing=0.0)
+            ground._felt = ground._felt._replace(bearing=0.0)
             for velocity in rng.normal(0, 0.6, (60, 3)):
                 force = ground.force([6.5, 0.0, -depth], velocity)
                 assert force @ velocity <= 0

@@ -6,8 +6,8 @@ of the tip frame's x axis (pin through teeth), from the horizontal outwards, pos
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import atan2, cos, hypot, isfinite, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 __all__ = ["BucketPose", "between", "distance", "from_transform", "turn", "wrapped"]
 
 
-@dataclass(frozen=True)
-class BucketPose:
+class BucketPose(NamedTuple):
     """Tip (x, y, z) [m], heading (unit vector outwards along the arm) and pitch [rad]."""
 
     tip: tuple[float, float, float]
@@ -50,7 +49,7 @@ def from_transform(T_tip: ArrayLike) -> BucketPose:
         raise ValueError(f"T_tip must be a pose of shape (4, 4), got shape {T.shape}")
     (_, _, across_x, x), (_, _, across_y, y), (x_up, y_up, z_up, z), last = T.tolist()
     level = hypot(across_x, across_y)
-    if not all(map(isfinite, (x, y, z, level, x_up, y_up, z_up))):
+    if not isfinite(x + y + z + level + x_up + y_up + z_up):
         raise ValueError("T_tip must be finite")
     unit = x_up * x_up + y_up * y_up + z_up * z_up
     if level < 0.5 or abs(unit - 1) > 1e-6 or last != [0.0, 0.0, 0.0, 1.0]:

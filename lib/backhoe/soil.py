@@ -186,8 +186,8 @@ class Ground:
     def _answer(self, z: float, velocity: tuple[float, float, float]) -> NDArray:
         if self._felt is None:
             return np.zeros(3)
-        *force, self.moment = self._felt.wrench(z, velocity)
-        return np.array(force)
+        x, y, z, self.moment = self._felt.wrench(z, velocity)
+        return np.array((x, y, z))
 
     def _spill(self, now: BucketPose, dt: float) -> None:
         """Let what the bucket cannot hold at its pitch fall over the lower lip."""

@@ -7,8 +7,8 @@ smoothly with speed from nothing; the last is a spring that yields, and remember
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import atan2, copysign, cos, hypot, pi, sin, sqrt
+from typing import NamedTuple
 
 from backhoe.bucket_pose import BucketPose, wrapped
 from backhoe.earthmoving import SoilParameters, bearing_capacity
@@ -26,8 +26,7 @@ LIGHTER = 0.85
 """The tip feels lighter by this factor than the bucket turning alone: the other joints give way."""
 
 
-@dataclass(frozen=True)
-class Contact:
+class Contact(NamedTuple):
     """Where the shell stands on the ground: area [m^2], mean depth [m] and mean u [m]."""
 
     area: float = 0.0
@@ -35,8 +34,7 @@ class Contact:
     lever: float = 0.0
 
 
-@dataclass(frozen=True)
-class Resistance:
+class Resistance(NamedTuple):
     """Strength of the soil around the bucket at one moment.
 
     Attributes:

@@ -6,6 +6,7 @@ from functools import cache
 from math import cos, pi, sin
 
 import numpy as np
+
 from backhoe.machine import BACKHOE, Machine
 
 

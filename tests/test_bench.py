@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from backhoe import dynamics, integrate, published
 from backhoe.sim import bench, bullet
 

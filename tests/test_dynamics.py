@@ -4,8 +4,9 @@ import sys
 from functools import partial
 
 import numpy as np
-import oracles
 import pytest
+
+import oracles
 from backhoe import dynamics, kinematics
 from backhoe.dynamics import postures
 from backhoe.machine import BACKHOE, replace

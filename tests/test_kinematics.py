@@ -4,8 +4,9 @@ import subprocess
 import sys
 
 import numpy as np
-import oracles
 import pytest
+
+import oracles
 from backhoe import kinematics
 from backhoe.machine import BACKHOE, replace
 

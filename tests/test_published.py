@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from backhoe import published
 from backhoe.machine import BACKHOE, provenance
 

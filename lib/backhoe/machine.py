@@ -1,9 +1,9 @@
 """The backhoe in numbers: geometry, masses, limits, tracks and bucket, each once.
 
 Everything else reads them from here: kinematics, dynamics, the URDF, the pictures, the lessons.
-SI units and radians. Reference: Mastalli 2013, Tables A.1 and A.2, in the reading in which the stick
-hangs at q3 = 0 (lesson 02 shows why); what the thesis leaves out is our choice. `provenance` gives
-the symbol, unit and source of every number.
+SI units and radians. Reference: Mastalli 2013, Tables A.1 and A.2, in the reading in which the
+stick hangs at q3 = 0 (lesson 02 shows why); what the thesis leaves out is our choice. `provenance`
+gives the symbol, unit and source of every number.
 """
 
 from __future__ import annotations
@@ -36,7 +36,9 @@ def _require(owner: object, positive: tuple[str, ...] = (), any_sign: tuple[str,
     for name in positive + any_sign:
         value = getattr(owner, name)
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
-            raise ValueError(f"{type(owner).__name__}.{name} must be a finite number, got {value!r}")
+            raise ValueError(
+                f"{type(owner).__name__}.{name} must be a finite number, got {value!r}"
+            )
         if name in positive and value <= 0:
             raise ValueError(f"{type(owner).__name__}.{name} must be positive, got {value!r}")
 
@@ -129,9 +131,7 @@ class Link:
     joint: Joint
 
     def __post_init__(self) -> None:
-        _require(
-            self, ("length", "mass", "inertia"), ("angle_offset", "com_radius", "com_angle")
-        )
+        _require(self, ("length", "mass", "inertia"), ("angle_offset", "com_radius", "com_angle"))
 
 
 @dataclass(frozen=True)
@@ -180,7 +180,9 @@ class Shell:
         _require(self, ("width", "plate"))
         points = np.asarray(self.profile, dtype=float)
         if points.ndim != 2 or points.shape[0] < 3 or points.shape[1] != 2:
-            raise ValueError(f"Shell.profile must be at least 3 (x, y) points, got shape {points.shape}")
+            raise ValueError(
+                f"Shell.profile must be at least 3 (x, y) points, got shape {points.shape}"
+            )
         if not np.isfinite(points).all():
             raise ValueError("Shell.profile must be finite")
         if self.section_area <= 0:
@@ -352,7 +354,9 @@ _TABLE_A1 = "Mastalli 2013, Table A.1"
 _TABLE_A2 = "Mastalli 2013, Table A.2"
 _HANG = "Mastalli 2013, Table A.2, with the sign under which the stick hangs at zero (lesson 02)"
 _LIMIT = "ours: usual for a 15 to 18 t excavator, and wider than the movements of the thesis"
-_FORCE = "ours: what the cylinders and swing motor of a 15 to 18 t excavator give, on mean lever arms"
+_FORCE = (
+    "ours: what the cylinders and swing motor of a 15 to 18 t excavator give, on mean lever arms"
+)
 _FRICTION = "ours: the thesis gives no friction; a few per cent of the torque limit"
 _TRACK = "ours: the thesis gives no tracks; a 15 to 18 t undercarriage"
 _ISOTROPIC = _TABLE_A2 + ", taken as the same about every axis (our choice)"

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from backhoe import dynamics, kinematics
-from backhoe.machine import BACKHOE, JOINTS, Joint, Shell, provenance, replace
+from backhoe.machine import BACKHOE, JOINTS, Joint, Shell, replace
+from backhoe.provenance import provenance
 
 
 def leaf_paths(owner, path=""):

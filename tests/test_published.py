@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from backhoe import published
-from backhoe.machine import BACKHOE, provenance
+from backhoe.machine import BACKHOE
+from backhoe.provenance import provenance
 
 
 def test_a_missing_file_is_named_with_those_that_exist(tmp_path):

@@ -1,0 +1,94 @@
+"""Where each number of the machine comes from: its symbol, its unit and its source.
+
+A number without a row here fails the tests, so none can enter the machine without a source.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+
+from backhoe.machine import BACKHOE, JOINTS, Machine
+
+_TABLE_A2 = "Mastalli 2013, Table A.2"
+_HANG = "Mastalli 2013, Table A.2, with the sign under which the stick hangs at zero (lesson 02)"
+_LIMIT = "ours: usual for a 15 to 18 t excavator, and wider than the movements of the thesis"
+_FORCE = (
+    "ours: what the cylinders and swing motor of a 15 to 18 t excavator give, on mean lever arms"
+)
+_FRICTION = "ours: the thesis gives no friction; a few per cent of the torque limit"
+_TRACK = "ours: the thesis gives no tracks; a 15 to 18 t undercarriage"
+_ISOTROPIC = _TABLE_A2 + ", taken as the same about every axis (our choice)"
+
+_SOURCES = {
+    "base.height": ("L0", "m", _TABLE_A2),
+    "base.offset": ("b0", "m", _TABLE_A2),
+    "swing.height": ("L1", "m", _TABLE_A2),
+    "swing.offset": ("b1", "m", _TABLE_A2),
+    "swing.mass": ("m_t", "kg", _TABLE_A2),
+    "swing.com_radius": ("b_cm1", "m", _TABLE_A2),
+    "swing.com_angle": ("theta_cm1", "rad", "ours: behind the axis, where the counterweight is"),
+    "swing.com_height": ("", "m", "ours: does not enter the motion of the arm"),
+    "swing.inertia": ("I_t", "kg m^2", _ISOTROPIC),
+    "boom.length": ("L2", "m", _TABLE_A2),
+    "boom.angle_offset": ("theta_2", "rad", _TABLE_A2),
+    "boom.mass": ("m_bo", "kg", _TABLE_A2),
+    "boom.com_radius": ("L_cm2", "m", _TABLE_A2),
+    "boom.com_angle": ("theta_cm2", "rad", _TABLE_A2),
+    "boom.inertia": ("I_bo", "kg m^2", _ISOTROPIC),
+    "stick.length": ("L3", "m", _TABLE_A2),
+    "stick.angle_offset": ("-theta_3", "rad", _HANG),
+    "stick.mass": ("m_s", "kg", _TABLE_A2),
+    "stick.com_radius": ("L_cm3", "m", _TABLE_A2),
+    "stick.com_angle": ("-theta_cm3", "rad", _HANG),
+    "stick.inertia": ("I_s", "kg m^2", _ISOTROPIC),
+    "bucket.length": ("L4", "m", _TABLE_A2),
+    "bucket.angle_offset": ("-theta_4", "rad", _HANG),
+    "bucket.mass": ("m_bu", "kg", _TABLE_A2),
+    "bucket.com_radius": ("L_cm4", "m", _TABLE_A2),
+    "bucket.com_angle": ("-theta_cm4", "rad", _HANG),
+    "bucket.inertia": ("I_bu", "kg m^2", _ISOTROPIC),
+    "tracks.gauge": ("l", "m", _TRACK),
+    "tracks.length": ("", "m", _TRACK),
+    "tracks.shoe_width": ("", "m", _TRACK),
+    "tracks.height": ("", "m", _TRACK),
+    "tracks.sprocket_radius": ("r", "m", _TRACK),
+    "tracks.max_speed": ("", "m/s", _TRACK),
+    "tracks.acceleration": ("", "m/s^2", _TRACK),
+    "tracks.mass": ("", "kg", _TRACK),
+    "tracks.friction_longitudinal": ("", "1", "ours: firm soil, Coulomb"),
+    "tracks.friction_lateral": ("", "1", "ours: firm soil, Coulomb"),
+    "shell.width": ("", "m", "ours: a general purpose bucket for this tip radius"),
+    "shell.plate": ("", "m", "ours: a general purpose bucket for this tip radius"),
+    "shell.profile": ("", "m", "ours: a curved floor between the teeth and the pin"),
+    "gravity": ("g", "m/s^2", "ours: the thesis does not print it"),
+}
+_SOURCES |= {
+    f"{link}.joint.{name}": ("", unit, source)
+    for link in JOINTS
+    for name, unit, source in (
+        ("lower", "rad", _LIMIT),
+        ("upper", "rad", _LIMIT),
+        ("speed", "rad/s", _LIMIT),
+        ("torque", "N m", _FORCE),
+        ("viscous", "N m s/rad", _FRICTION),
+        ("coulomb", "N m", _FRICTION),
+    )
+}
+
+
+def provenance(machine: Machine = BACKHOE) -> list[tuple[str, object, str, str, str]]:
+    """Every number of the machine with its origin.
+
+    Returns:
+        Rows (name, value, symbol, unit, source) in the order of the dataclasses; name is the path,
+        such as "boom.length".
+    """
+
+    def leaves(owner: object, path: str) -> list[tuple[str, object]]:
+        found = []
+        for field in fields(owner):
+            value, name = getattr(owner, field.name), path + field.name
+            found += leaves(value, name + ".") if is_dataclass(value) else [(name, value)]
+        return found
+
+    return [(name, value, *_SOURCES[name]) for name, value in leaves(machine, "")]

@@ -339,3 +339,11 @@ def test_importing_sim_is_light_and_opening_prints_nothing():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+
+
+def test_soil_is_felt_only_in_it(world):
+    for _ in range(20):
+        world.step(dynamics.gravity_torque(world.q))
+    assert not world.ground.touches and not world.soil_force.any()
+    follow(world, DIG[:2], 3.0)
+    assert world.ground.touches and np.linalg.norm(world.soil_force) > 1e3

@@ -101,6 +101,12 @@ class Ground:
         """Mass of the soil in the bucket [kg]."""
         return self.bucket_volume * self.parameters.density
 
+    @property
+    def touches(self) -> bool:
+        """Whether the soil at the last advance resists the bucket: if not, `force` is zero."""
+        felt = self._felt
+        return felt is not None and (felt.cutting > 0.0 or felt.bearing > 0.0)
+
     def advance(self, T_tip: ArrayLike, tip_velocity: ArrayLike, dt: float) -> NDArray:
         """Move the soil on by one tick: cut, fill, spill, slide.
 

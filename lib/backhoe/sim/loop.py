@@ -47,7 +47,7 @@ class Snapshot:
     ticks: int
     arrays: tuple[NDArray, ...]
     payload: float
-    near_soil: bool
+    in_soil: bool
     ground: object
     engine: object
 
@@ -175,7 +175,7 @@ class Loop:
             raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
         self._ticks = 0
         self._applied, self._forces = np.zeros(4), np.zeros(7)
-        self._soil, self._near_soil = np.zeros(4), True
+        self._soil, self._in_soil = np.zeros(4), False
         self._belts = np.zeros(2)
         self._sheared = np.zeros_like(self._patches)
         self.ground = _ground(self.machine, self.scene, self.seed) if self._soil_wanted else None
@@ -190,7 +190,7 @@ class Loop:
             self._ticks,
             tuple(array.copy() for array in self._state()),
             float(self._parameters["payload"][0]),
-            self._near_soil,
+            self._in_soil,
             None if self.ground is None else self.ground.snapshot(),
             self._engine_snapshot(),
         )
@@ -212,7 +212,7 @@ class Loop:
             array[:] = saved
         if self.ground is not None:
             self.ground.restore(snapshot.ground)
-        self._near_soil = snapshot.near_soil
+        self._in_soil = snapshot.in_soil
         self._load(snapshot.payload)
         self._engine_restore(snapshot.engine)
 
@@ -295,21 +295,22 @@ class Loop:
         )
 
     def _dig(self) -> None:
-        """Let the soil move on at 100 Hz and, near it, feel it at 1 kHz."""
+        """Let the soil move on at 100 Hz and, in it, feel it at 1 kHz."""
         visit = self._ticks % TICKS_PER_DIG == 0
-        if not (visit or self._near_soil):
+        if not (visit or self._in_soil):
             return
+        ground = self.ground
         T_world_tip, velocity = forces.tip_motion(self._q, self._dq, self._parameters)
         if visit:
             if not velocity @ velocity < RUNAWAY**2:
                 self._run_away()
-            self._soil[:3] = self.ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
-            self._load(self.ground.payload)
-            margin = self.machine.bucket.length + RUNAWAY * TICKS_PER_DIG * self.dt
-            self._near_soil = T_world_tip[2, 3] - margin < self.ground.terrain.top
+            force = ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
+            self._load(ground.payload)
+            self._in_soil = ground.touches
         else:
-            self._soil[:3] = self.ground.force(T_world_tip[:3, 3], velocity)
-        self._soil[3] = self.ground.moment
+            force = ground.force(T_world_tip[:3, 3], velocity)
+        self._soil[:3] = force
+        self._soil[3] = ground.moment
 
     def _load(self, payload: float) -> None:
         if payload != self._parameters["payload"][0] or self._ticks == 0:

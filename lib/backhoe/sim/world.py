@@ -164,9 +164,10 @@ class BulletWorld(Loop):
 
     def _read(self) -> None:
         states = self._engine.getJointStates(self._body, self._moving, physicsClientId=self._client)
-        still = [0.0] * self._first
-        self._q = np.array(still + [state[0] for state in states])
-        self._dq = np.array(still + [state[1] for state in states])
+        q, dq = np.zeros(7), np.zeros(7)
+        for index, state in enumerate(states, self._first):
+            q[index], dq[index] = state[0], state[1]
+        self._q, self._dq = q, dq
 
     def _place(self, q: NDArray, dq: NDArray) -> None:
         for index, angle, speed in zip(

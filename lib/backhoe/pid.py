@@ -86,6 +86,8 @@ class PID:
         integral = self.integral + error * dt
         wanted = self.kp * error + self.kd * (dq_ref - dq) + self.ki * integral
         torque = np.minimum(np.maximum(wanted, -self.torque_limit), self.torque_limit)
-        pushes_outwards = (wanted != torque) & (wanted * error > 0)
-        self.integral = np.where(pushes_outwards, self.integral, integral)
+        limited = wanted != torque
+        if limited.any():
+            integral = np.where(limited & (wanted * error > 0), self.integral, integral)
+        self.integral = integral
         return torque

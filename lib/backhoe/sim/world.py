@@ -14,13 +14,15 @@ from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import ConvexHull
 
 from backhoe.appearance import truck_boxes, visuals
 from backhoe.machine import JOINTS, Machine
 from backhoe.sim import bullet
 from backhoe.sim.loop import Loop
 from backhoe.sim.urdf import ALL_JOINTS, T_urdf_dh, urdf
+
+TOUCHING = 8
+"""Directions in which a link of the arm has a corner that touches."""
 
 
 class BulletWorld(Loop):
@@ -200,13 +202,20 @@ class BulletWorld(Loop):
 
 
 def _write_hulls(machine: Machine, folder: Path) -> dict[str, Path]:
-    """One OBJ file a link with the points whose convex hull collides, in the link's URDF frame."""
+    """One OBJ file for each link of the arm, in the link's URDF frame: its convex hull collides.
+
+    The hull has only the corners that lie furthest out in `TOUCHING` directions.
+    """
+    angle = np.arange(TOUCHING) * 2 * np.pi / TOUCHING
+    directions = np.c_[np.cos(angle), np.sin(angle), np.zeros(TOUCHING)]
     files = {}
-    for part, meshes in visuals(machine).items():
-        link = "base_yaw" if part == "undercarriage" else part
+    for link in JOINTS[1:]:
+        points = np.vstack([part.vertices for part in visuals(machine)[link]])
+        width = np.abs(points[:, 2]).max()
+        outline = points[np.unique((points @ directions.T).argmax(axis=0))]
+        corners = np.vstack([outline * [1, 1, 0] + [0, 0, side * width] for side in (-1, 1)])
         T = T_urdf_dh(link, machine)
-        points = np.vstack([mesh.vertices for mesh in meshes]) @ T[:3, :3].T + T[:3, 3]
-        corners = points[ConvexHull(points).vertices]
+        corners = corners @ T[:3, :3].T + T[:3, 3]
         lines = [f"v {x:.4f} {y:.4f} {z:.4f}" for x, y, z in corners]
         lines += [f"f 1 {i} {i + 1}" for i in range(2, len(corners))]
         files[link] = folder / f"{link}.obj"

@@ -193,8 +193,20 @@ def test_inverse_kinematics_undoes_forward_kinematics_with_the_elbow_up(postures
 def test_inverse_kinematics_undoes_forward_kinematics_with_the_elbow_down(rng, postures):
     q = postures.copy()
     q[:, 2] = rng.uniform(0.05, 1.5, len(q)) - BACKHOE.stick.angle_offset
-    back = kinematics.inverse_kinematics(kinematics.pose(q), elbow="down", limits=False)
+    back = kinematics.inverse_kinematics(kinematics.pose(q), elbow="down")
     np.testing.assert_allclose(back, q, atol=1e-12)
+
+
+def test_limits_hold_by_default_for_the_elbows_that_a_machine_can_bend(postures):
+    target = kinematics.pose(postures[0])
+    with pytest.raises(ValueError, match="stick"):
+        kinematics.inverse_kinematics(target, elbow="down", limits=True)
+    joint = replace(BACKHOE.stick.joint, upper=np.radians(100))
+    supple = replace(BACKHOE, stick=replace(BACKHOE.stick, joint=joint))
+    high = [4.0, 2.0, 5.0, 0.5]
+    kinematics.inverse_kinematics(high, elbow="down")
+    with pytest.raises(ValueError, match="its limit"):
+        kinematics.inverse_kinematics(high, elbow="down", machine=supple)
 
 
 @pytest.mark.parametrize("elbow", ["up", "down"])

@@ -32,7 +32,7 @@ def inverse_kinematics(
     target: ArrayLike,
     elbow: str = "up",
     machine: Machine = BACKHOE,
-    limits: bool = True,
+    limits: bool | None = None,
     on_failure: str = "raise",
 ) -> NDArray:
     """Joint angles that bring the stick's tip to a point, with the bucket's joint given.
@@ -45,7 +45,9 @@ def inverse_kinematics(
             shape (..., 4).
         elbow: "up" puts the stick's joint above the line from the boom's joint to the target,
             "down" below it.
-        limits: whether a solution outside the joint limits is a failure.
+        limits: whether a solution outside the joint limits is a failure. By default it is, unless
+            the stick of this machine can never bend to this side: then the answer is geometry, not
+            a posture to drive to. `BACKHOE` never has its elbow down.
         on_failure: "raise", or "nan" to get NaN in all four joints where there is no solution: what
             a map of the workspace needs.
 
@@ -64,7 +66,7 @@ def inverse_tip(
     target: ArrayLike,
     elbow: str = "up",
     machine: Machine = BACKHOE,
-    limits: bool = True,
+    limits: bool | None = None,
     on_failure: str = "raise",
 ) -> NDArray:
     """Joint angles that bring the bucket's tip to a point with the bucket at a pitch.
@@ -115,7 +117,7 @@ def _solve_all(
     target: ArrayLike,
     elbow: str,
     machine: Machine,
-    limits: bool,
+    limits: bool | None,
     on_failure: str,
 ) -> NDArray:
     """Solve tile by tile, then deal with what has no solution."""
@@ -124,6 +126,8 @@ def _solve_all(
         raise ValueError(f'elbow must be "up" or "down", got {elbow!r}')
     if on_failure not in _FAILURES:
         raise ValueError(f'on_failure must be "raise" or "nan", got {on_failure!r}')
+    if limits is None:
+        limits = _can_bend(_ELBOWS[elbow], machine)
     targets = target.reshape(-1, 4)
     q = np.empty_like(targets)
     solved = np.empty(len(targets), dtype=bool)
@@ -226,6 +230,12 @@ def _within(angles: tuple, machine: Machine) -> NDArray:
         good &= angle >= joint.lower - _LIMIT_ROUNDING
         good &= angle <= joint.upper + _LIMIT_ROUNDING
     return good
+
+
+def _can_bend(bend: float, machine: Machine) -> bool:
+    """Whether the stick's limits let it bend to this side of the boom's line at all."""
+    joint, offset = machine.stick.joint, machine.stick.angle_offset
+    return max(bend * (joint.lower + offset), bend * (joint.upper + offset)) > 0
 
 
 def _reason(solve: Callable, target: NDArray, q: NDArray, machine: Machine) -> str:

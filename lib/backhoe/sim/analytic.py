@@ -20,6 +20,7 @@ from dataclasses import replace
 from math import cos, pi, sin
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from backhoe import dynamics
@@ -27,7 +28,6 @@ from backhoe.sim.loop import Loop
 from backhoe.sim.urdf import undercarriage_inertia
 
 _BOOM_UP = np.array([0.0, pi / 2, 0.0, 0.0])
-_LATER = np.maximum.outer(np.arange(1, 4), np.arange(1, 4))
 
 
 class AnalyticWorld(Loop):
@@ -54,55 +54,83 @@ class AnalyticWorld(Loop):
     def _acceleration(self, pushed: NDArray) -> NDArray:
         """Accelerations of x, y, yaw and the joints, shape (7,)."""
         machine, q = self._loaded, self._q[3:]
-        yaw, yaw_rate = self._q[2], self._dq[2]
         w = self._dq[3:].copy()
-        w[0] += yaw_rate
-        moment, slope, bend = self._first_moment(q)
-        house = machine.swing.mass * machine.swing.com_radius
-        left = house * sin(machine.swing.com_angle)
-        heading = yaw + q[0] + pi / 2
-        outward = np.array([cos(heading), sin(heading)])
-        leftward = np.array([-outward[1], outward[0]])
-        K = np.empty((2, 4))
-        K[:, 0] = moment * leftward - left * outward
-        K[:, 1:] = np.outer(outward, slope)
-        swept = 2 * w[0] * (slope @ w[1:])
-        dK_w = (w[1:] @ bend @ w[1:] - w[0] ** 2 * moment) * outward + (
-            swept - w[0] ** 2 * left
-        ) * leftward
-        house_and_arm = machine.mass - machine.tracks.mass
-        H = np.zeros((6, 6))
-        H[0, 0] = H[1, 1] = house_and_arm
-        H[:2, 2:], H[2:, :2] = K, K.T
-        H[2:, 2:] = dynamics.mass_matrix(q, machine)
-        bias = np.concatenate([dK_w, dynamics.inverse_dynamics(q, w, np.zeros(4), machine=machine)])
-
-        offset = machine.base.offset
-        to_axis = offset * np.array([cos(yaw), sin(yaw)])
-        B = np.zeros((6, 7))
-        B[0, 0] = B[1, 1] = B[2, 2] = 1.0
-        B[0, 2], B[1, 2] = -to_axis[1], to_axis[0]
-        B[2:, 3:] = np.eye(4)
-        bias -= H[:, :2] @ (yaw_rate**2 * to_axis)
-        M = B.T @ H @ B
-        M[0, 0] += machine.tracks.mass
-        M[1, 1] += machine.tracks.mass
-        M[2, 2] += undercarriage_inertia(machine)
-        return np.linalg.solve(M, pushed - B.T @ bias)
-
-    def _first_moment(self, q: NDArray) -> tuple[float, NDArray, NDArray]:
-        """Outward first moment of house and arm about the swing axis, [kg m].
-
-        Returns:
-            Its value, its derivatives by boom, stick and bucket, shape (3,), and its second
-            derivatives, shape (3, 3).
-        """
-        machine = self._loaded
+        w[0] += self._dq[2]
         swing = machine.swing
+        above_pins = machine.boom.mass + machine.stick.mass + machine.bucket.mass
         reach = dynamics.gravity_torque(q, self._light)
-        slope = dynamics.gravity_torque(q + _BOOM_UP, self._light)
-        arm = machine.boom.mass + machine.stick.mass + machine.bucket.mass
-        moment = (
-            reach[1] + arm * swing.offset + swing.mass * swing.com_radius * cos(swing.com_angle)
+        outward = (
+            reach[1]
+            + above_pins * swing.offset
+            + swing.mass * swing.com_radius * cos(swing.com_angle)
         )
-        return moment, slope[1:], -reach[_LATER]
+        M, forces = np.empty((7, 7)), pushed.copy()
+        _join(
+            M,
+            forces,
+            dynamics.mass_matrix(q, machine),
+            dynamics.inverse_dynamics(q, w, np.zeros(4), machine=machine),
+            reach,
+            dynamics.gravity_torque(q + _BOOM_UP, self._light),
+            w,
+            (outward, swing.mass * swing.com_radius * sin(swing.com_angle)),
+            (self._q[2], self._dq[2], self._q[2] + q[0] + pi / 2),
+            (swing.mass + above_pins, machine.tracks.mass),
+            undercarriage_inertia(machine),
+            machine.base.offset,
+        )
+        return np.linalg.solve(M, forces)
+
+
+@njit(cache=True)
+def _join(M, forces, M_arm, bias, reach, slope, w, moment, headings, masses, track_inertia, offset):
+    """Join the vehicle's x, y, yaw to the arm's equations, in place.
+
+    Args:
+        M: inertia matrix of the seven coordinates, shape (7, 7), filled in.
+        forces: forces on them, shape (7,); what velocities and gravity take is taken off.
+        M_arm, bias: of house and arm on a fixed base, turning with w, shapes (4, 4) and (4,).
+        reach, slope: derivatives of the arm's height and outward moment, shape (4,) [kg m].
+        w: rates of the arm's plane, boom, stick and bucket, shape (4,) [rad/s].
+        moment: first moment of house and arm about the swing axis, outward and leftward [kg m].
+        headings: yaw [rad], its rate [rad/s] and the heading of the arm [rad].
+        masses: of house and arm, and of the undercarriage [kg].
+        track_inertia: yaw inertia of the undercarriage [kg m^2].
+        offset: of the swing axis, ahead of the vehicle's origin [m].
+    """
+    outward, leftward = moment
+    yaw, yaw_rate, heading = headings
+    upper_mass, track_mass = masses
+    out_x, out_y = np.cos(heading), np.sin(heading)
+    axis_x, axis_y = offset * np.cos(yaw), offset * np.sin(yaw)
+    K = np.empty((2, 4))
+    K[0, 0] = -outward * out_y - leftward * out_x
+    K[1, 0] = outward * out_x - leftward * out_y
+    radial, turned = -(w[0] ** 2) * outward, -(w[0] ** 2) * leftward
+    for j in range(1, 4):
+        K[0, j], K[1, j] = slope[j] * out_x, slope[j] * out_y
+        turned += 2 * w[0] * slope[j] * w[j]
+        for k in range(1, 4):
+            radial -= reach[max(j, k)] * w[j] * w[k]
+    pull_x = radial * out_x - turned * out_y - upper_mass * yaw_rate**2 * axis_x
+    pull_y = radial * out_y + turned * out_x - upper_mass * yaw_rate**2 * axis_y
+
+    M[0, 0] = M[1, 1] = upper_mass + track_mass
+    M[0, 1] = M[1, 0] = 0.0
+    forces[0] -= pull_x
+    forces[1] -= pull_y
+    forces[2] -= axis_x * pull_y - axis_y * pull_x
+    for j in range(4):
+        taken = bias[j] - yaw_rate**2 * (K[0, j] * axis_x + K[1, j] * axis_y)
+        forces[3 + j] -= taken
+        if j == 0:
+            forces[2] -= taken
+        M[0, 3 + j] = M[3 + j, 0] = K[0, j]
+        M[1, 3 + j] = M[3 + j, 1] = K[1, j]
+        M[2, 3 + j] = M[3 + j, 2] = M_arm[0, j] + axis_x * K[1, j] - axis_y * K[0, j]
+        for k in range(4):
+            M[3 + j, 3 + k] = M_arm[j, k]
+    lever = axis_x * K[1, 0] - axis_y * K[0, 0]
+    M[2, 2] = M_arm[0, 0] + 2 * lever + upper_mass * offset**2 + track_inertia
+    M[0, 2] = M[2, 0] = K[0, 0] - upper_mass * axis_y
+    M[1, 2] = M[2, 1] = K[1, 0] + upper_mass * axis_x

@@ -1,6 +1,7 @@
 """The exported pages as files: complete, readable without sight or network, small."""
 
 import re
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -56,6 +57,11 @@ def _local(page, link):
     return (page.path.parent / path.partition("?")[0] if path else page.path), anchor
 
 
+@cache
+def _anchors(path):
+    return {attributes.get("id") for _, attributes in Page(path).tags}
+
+
 def test_every_notebook_has_a_page(site):
     assert {path.stem for path in site.glob("[0-9]*.html")} == set(STEMS)
 
@@ -81,7 +87,7 @@ def test_no_link_inside_the_site_is_broken(page):
         path, anchor = _local(page, link)
         assert path.is_file(), link
         if anchor and anchor != "top":
-            assert anchor in {t.get("id") for _, t in Page(path).tags}, link
+            assert anchor in _anchors(path), link
 
 
 def test_every_image_says_what_it_shows(page):

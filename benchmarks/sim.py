@@ -17,14 +17,26 @@ from backhoe import dynamics, pid, sim
 
 RUNS = 5
 STRETCH = 250
-DIG = np.radians([[-90, 12, -5, 75], [-90, -4, 5, 70], [-90, 0, -30, 20], [-90, 25, -45, -20]])
+CYCLE = np.radians(
+    [
+        [-90, 12, -5, 75],
+        [-90, -4, 5, 70],
+        [-90, 0, -30, 20],
+        [-90, 25, -45, -20],
+        [-45, 38, -40, -30],
+        [0, 38, 0, -30],
+        [0, 38, 0, 60],
+        [0, 38, 0, 60],
+    ]
+)
+"""Cut in, pull, curl, lift, swing, reach over the truck, tip out, wait."""
 
 
 def follow(world, seconds):
-    """The joint PID at 1 kHz along way-points that dig; seconds for each stretch."""
+    """The joint PID at 1 kHz along a cycle of digging and loading; seconds for each stretch."""
     controller = pid.PID(*pid.ARM_GAINS, world.machine.torque_limit)
     steps = round(seconds / world.dt)
-    way = np.vstack([world.q, DIG])
+    way = np.vstack([world.q, CYCLE])
     at = np.linspace(0, len(way) - 1, steps)
     q_ref = np.stack([np.interp(at, np.arange(len(way)), column) for column in way.T], axis=1)
     dq_ref = np.gradient(q_ref, world.dt, axis=0)
@@ -73,16 +85,16 @@ def picture(shadow):
     return min(times[1:])
 
 
-def main(seconds: float = 8.0) -> None:
+def main(seconds: float = 20.0) -> None:
     rows = [
         ("PyBullet, bare stepSimulation", best(bare, seconds, backend="pybullet", soil=False)),
         ("PyBullet, PID at 1 kHz, no soil", best(follow, seconds, backend="pybullet", soil=False)),
-        ("PyBullet, PID at 1 kHz, digging", best(follow, seconds, backend="pybullet")),
+        ("PyBullet, PID at 1 kHz, with soil", best(follow, seconds, backend="pybullet")),
         ("analytic, PID at 1 kHz, no soil", best(follow, seconds, backend="analytic", soil=False)),
-        ("analytic, PID at 1 kHz, digging", best(follow, seconds, backend="analytic")),
+        ("analytic, PID at 1 kHz, with soil", best(follow, seconds, backend="analytic")),
     ]
     for name, speed in rows:
-        print(f"{name:<34}{speed:7.1f} x real time   {rows[0][1] / speed:5.1f} x bare")
+        print(f"{name:<36}{speed:7.1f} x real time   {rows[0][1] / speed:5.1f} x bare")
     for shadow in (False, True):
         print(
             f"picture 640 x 480, new terrain, shadow {shadow!s:<6}{1e3 * picture(shadow):6.0f} ms"

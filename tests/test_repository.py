@@ -18,9 +18,8 @@ def _committed(*patterns):
     listed = subprocess.run(
         ["git", "ls-files", "-z", *patterns], cwd=ROOT, capture_output=True, text=True, check=False
     )
-    if listed.returncode:  # a copy without its history
-        found = (path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*") if path.is_file())
-        return [name for name in found if not re.match(r"(.*/)?(\.\w+|build|[\w.]*-info)/", name)]
+    if listed.returncode:
+        pytest.skip("this copy of the course has no git repository to list its files")
     return [name for name in listed.stdout.split("\0") if name and (ROOT / name).is_file()]
 
 

@@ -87,7 +87,7 @@ class PID:
         wanted = self.kp * error + self.kd * (dq_ref - dq) + self.ki * integral
         torque = np.minimum(np.maximum(wanted, -self.torque_limit), self.torque_limit)
         limited = wanted != torque
-        if limited.any():
+        if any(limited.tolist()):
             integral = np.where(limited & (wanted * error > 0), self.integral, integral)
         self.integral = integral
         return torque

@@ -10,8 +10,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from backhoe import kinematics, replay
-from backhoe.machine import BACKHOE
+from backhoe import appearance, kinematics, replay
+from backhoe.kinematics import link_transforms
+from backhoe.machine import BACKHOE, JOINTS
 from backhoe.replay import stage
 from backhoe.replay.integer_codec import pack, unpack
 from backhoe.replay.recording import (
@@ -285,11 +286,30 @@ def test_a_minute_of_digging_stays_under_a_megabyte():
         field.append(heights)
     q = np.cumsum(rng.normal(0, 0.003, (frames, 4)), axis=0)
     times = np.arange(frames) / 30
-    nodes = stage.machine_nodes(q, np.zeros((frames, 3)), BACKHOE)
+    nodes = stage.machine_nodes(q, np.zeros((frames, 3)), BACKHOE) + stage.strut_nodes(q, BACKHOE)
     shown = replay.Replay(Recording(times, nodes, fields=(field,)), **SAID)
     assert shown.duration > 59.9
     assert sum(len(cells) for cells, _ in field.changes) > 200_000
     assert shown.size < 1_000_000
+
+
+def test_cylinders_point_from_their_mount_to_where_they_push():
+    q = np.random.default_rng(4).uniform(BACKHOE.lower, BACKHOE.upper, (20, 4))
+    frames = dict(zip(JOINTS, np.moveaxis(link_transforms(q), -3, 0), strict=True))
+    nodes = {node.name: node for node in stage.strut_nodes(q, BACKHOE)}
+    assert len(nodes) == 2 * len(appearance.struts())
+    for number, strut in enumerate(appearance.struts()):
+        mount = frames[strut.base_link] @ [*strut.base, 1.0]
+        push = frames[strut.tip_link] @ [*strut.tip, 1.0]
+        along = (push - mount)[:, :3] / np.linalg.norm(push - mount, axis=1)[:, None]
+        for part, start in (("barrel", mount), ("rod", push)):
+            node = nodes[f"{part} {number}"]
+            cosine, sine = np.cos(node.values), np.sin(node.values)
+            zero = np.zeros_like(cosine)
+            x_axis = np.stack([cosine, sine, zero, zero], axis=-1)
+            T = frames[node.parent] @ node.before
+            np.testing.assert_allclose((T @ x_axis[..., None])[:, :3, 0], along, atol=1e-12)
+            np.testing.assert_allclose(T[:, :, 3], start, atol=1e-12)
 
 
 def test_text_says_what_happens():
@@ -365,7 +385,7 @@ def test_lock_file_names_no_host():
         ([0, np.nan], np.zeros((2, 4)), "times must be finite"),
         ([0, 1], np.zeros((3, 4)), r"q must have shape \(2, 4\)"),
         ([0, 1], np.zeros((2, 3)), r"q must have shape \(2, 4\)"),
-        ([0, 1], [[0] * 4, [0, np.nan, 0, 0]], "must be finite, but frame 1"),
+        ([0, 1], [[0] * 4, [0, np.nan, 0, 0]], "must be finite"),
     ],
 )
 def test_bad_motions_are_refused(times, q, message):

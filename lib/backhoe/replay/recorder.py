@@ -203,7 +203,11 @@ def _recording(
     loaded = any(scalar.name == "bucket" for scalar in scalars)
     return Recording(
         times=times,
-        nodes=stage.machine_nodes(q, poses, machine, loaded) + stage.truck_node(scene),
+        nodes=(
+            *stage.machine_nodes(q, poses, machine, loaded),
+            *stage.strut_nodes(q, machine),
+            *stage.truck_node(scene),
+        ),
         fields=fields,
         scalars=scalars,
         lines=lines,

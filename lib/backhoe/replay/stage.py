@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe import appearance
+from backhoe.kinematics import link_transforms
 from backhoe.machine import JOINTS, Machine, Shell
 from backhoe.replay.recording import Mesh, Morph, Node
 
-__all__ = ["TIP", "load_in_bucket", "machine_nodes", "truck_node"]
+__all__ = ["TIP", "load_in_bucket", "machine_nodes", "strut_nodes", "truck_node"]
 
 BASE = "undercarriage"
 TIP = "bucket"
@@ -46,6 +47,32 @@ def machine_nodes(
         if loaded and name == TIP:
             meshes += (load_in_bucket(machine.shell),)
         nodes.append(Node(name, nodes[-1].name, "revolute", q[:, i], before[i], after[i], meshes))
+    return tuple(nodes)
+
+
+def strut_nodes(q: ArrayLike, machine: Machine) -> tuple[Node, ...]:
+    """The hydraulic cylinders between the links of `machine_nodes`, barrels and rods.
+
+    Args:
+        q: joint angles, shape (frames, 4) [rad].
+        machine: its numbers and its looks.
+    """
+    frames = np.moveaxis(link_transforms(q, machine=machine), -3, 0)
+    frames = dict(zip(JOINTS, frames, strict=True))
+    nodes = []
+    for number, strut in enumerate(appearance.struts(machine)):
+        base = frames[strut.base_link] @ [*strut.base, 1.0]
+        tip = frames[strut.tip_link] @ [*strut.tip, 1.0]
+        for part, link, point, look in (
+            ("barrel", strut.base_link, strut.base, strut.barrel),
+            ("rod", strut.tip_link, strut.tip, strut.rod),
+        ):
+            x, y = np.einsum("...ij,...i->j...", frames[link][..., :3, :2], (tip - base)[..., :3])
+            at = np.eye(4)
+            at[:3, 3] = point
+            angle = np.unwrap(np.arctan2(y, x))
+            name = f"{part} {number}"
+            nodes.append(Node(name, link, "revolute", angle, at, meshes=_meshes([look])))
     return tuple(nodes)
 
 

@@ -430,6 +430,26 @@ ZERO = np.zeros(4)
             lambda: dynamics.inverse_dynamics(np.zeros((2, 4)), np.zeros((3, 4)), ZERO),
             r"the leading axes must fit each other, got shapes \(2, 4\), \(3, 4\), \(4,\)",
         ),
+        (
+            lambda: dynamics.coriolis_matrix(np.zeros((2, 4)), np.zeros((3, 4))),
+            r"the leading axes must fit each other, got shapes \(2, 4\), \(3, 4\)",
+        ),
+        (
+            lambda: dynamics.energy(np.zeros((2, 4)), np.zeros((3, 4))),
+            r"the leading axes must fit each other, got shapes \(2, 4\), \(3, 4\)",
+        ),
+        (
+            lambda: dynamics.inverse_dynamics(np.zeros((2, 4)), ZERO, ZERO, None, np.ones((5, 3))),
+            r"the leading axes must fit each other, got shapes \(2, 4\), \(4,\), \(5, 3\)",
+        ),
+        (
+            lambda: dynamics.inverse_dynamics(ZERO, ZERO, ZERO, tip_force=[1j, 0, 0]),
+            "tip_force must be numbers",
+        ),
+        (
+            lambda: dynamics.forward_dynamics(ZERO, ZERO, ZERO, tip_force="down"),
+            "tip_force must be numbers",
+        ),
         (lambda: dynamics.friction_torque(ZERO, smoothing=0.0), "smoothing must be a positive"),
         (
             lambda: dynamics.inverse_dynamics(ZERO, ZERO, ZERO, tip_force=[1, 2]),

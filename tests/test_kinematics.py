@@ -546,6 +546,11 @@ def test_tracks_follow_the_machine():
         ("abcd", "q must be numbers for the 4 joints"),
         ([0, 0, None, "x"], "q must be numbers for the 4 joints"),
         ([[0, 0, 0, 0], [0, 0]], "q must be numbers for the 4 joints"),
+        (np.array([1j, 0, 0, 0]), "q must be numbers for the 4 joints"),
+        (["0", "0", "0", "0"], "q must be numbers for the 4 joints"),
+        (np.array(["1", 0, 0, 0], dtype=object), "q must be numbers for the 4 joints"),
+        (np.arange(4).astype("timedelta64[s]"), "q must be numbers for the 4 joints"),
+        ([10**400, 0, 0, 0], "q must be numbers for the 4 joints"),
     ],
 )
 def test_bad_joint_angles_are_refused(function, q, message):
@@ -570,6 +575,9 @@ def test_unknown_frame_is_refused_with_the_list_of_frames(function, frame):
         ((5.0,), r"got shape \(\)"),
         (([5, 0, np.nan, 0],), r"target must be finite, got nan at index \(2,\)"),
         (("here",), "target must be numbers"),
+        ((np.array([5, 0, 2, 1j]),), "target must be numbers"),
+        ((["5", "0", "2", "0"],), "target must be numbers"),
+        (([5, 0, 2, 0], ["up"]), 'elbow must be "up" or "down"'),
         (([5, 0, 2, 0], "left"), 'elbow must be "up" or "down", got \'left\''),
         (([5, 0, 2, 0], "up", BACKHOE, True, "ignore"), 'on_failure must be "raise" or "nan"'),
     ],
@@ -585,7 +593,16 @@ def test_bad_targets_are_refused(function, arguments, message):
         (lambda: kinematics.damped_inverse(np.eye(3), -0.1), "damping must be finite and not neg"),
         (lambda: kinematics.damped_inverse(np.ones(3), 0.1), r"must be a matrix, .* shape \(3,\)"),
         (lambda: kinematics.damped_inverse(np.eye(3) * np.nan, 0.1), "J must be finite"),
+        (lambda: kinematics.damped_inverse(np.eye(3) * 1j, 0.1), "J must be numbers"),
+        (lambda: kinematics.damped_inverse(np.eye(3), "some"), "damping must be a number"),
         (lambda: kinematics.adaptive_damping(np.eye(3), -1.0), "largest must not be negative"),
+        (lambda: kinematics.adaptive_damping(np.ones(3)), r"must be a matrix, .* shape \(3,\)"),
+        (lambda: kinematics.adaptive_damping(np.eye(3) * np.nan), "J must be finite"),
+        (
+            lambda: kinematics.solve_damped(np.ones((2, 4)), np.zeros((3, 4))),
+            r"the leading axes must fit each other, got shapes \(2, 4\), \(3, 4\)",
+        ),
+        (lambda: kinematics.tracks_twist(np.array(1j), 0), "omega_right must be numbers"),
         (lambda: kinematics.solve_damped([5, 0, 2], np.zeros(4)), "target must end in 4"),
         (lambda: kinematics.solve_damped([5, 0, 2, 0], np.zeros(3)), "q0 must end in 4 joints"),
         (

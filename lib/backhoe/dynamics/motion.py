@@ -28,7 +28,9 @@ from backhoe.dynamics.postures import (
     write_mass_matrix_derivative,
 )
 from backhoe.kinematics import jacobian, joint_vector
+from backhoe.kinematics.forward import leading_shape
 from backhoe.machine import BACKHOE, Machine
+from backhoe.reals import real_array
 
 __all__ = [
     "coriolis_matrix",
@@ -93,9 +95,10 @@ def coriolis_matrix(q: ArrayLike, dq: ArrayLike, machine: Machine = BACKHOE) -> 
         C, shape (..., 4, 4) [kg m^2/s].
 
     Raises:
-        ValueError: a last axis is not 4, or a value is not finite.
+        ValueError: a last axis is not 4, a value is not finite, or shapes do not broadcast.
     """
-    dq = joint_vector(dq, "dq")
+    q, dq = joint_vector(q), joint_vector(dq, "dq")
+    leading_shape(q, dq)
     dM = mass_matrix_derivative(q, machine)
     dM_dt = np.einsum("...ikj,...i->...kj", dM, dq)
     turned = np.einsum("...jki,...i->...kj", dM, dq)
@@ -229,6 +232,7 @@ def energy(q: ArrayLike, dq: ArrayLike, machine: Machine = BACKHOE) -> tuple[NDA
         ValueError: a last axis is not 4, a value is not finite, or shapes do not broadcast.
     """
     q, dq = joint_vector(q), joint_vector(dq, "dq")
+    leading_shape(q, dq)
     house = machine.swing.mass * (machine.base.height + machine.swing.com_height)
     momentum = (mass_matrix(q, machine) @ dq[..., None])[..., 0]
     kinetic = (dq * momentum).sum(axis=-1) / 2
@@ -255,11 +259,12 @@ def _resistance(
         )
     if tip_force is None:
         return resistance
-    force = np.asarray(tip_force, dtype=float)
+    force = real_array(tip_force, "tip_force must be numbers (x, y, z) in N")
     if force.ndim == 0 or force.shape[-1] != 3 or not np.isfinite(force).all():
         raise ValueError(
             f"tip_force must end in 3 finite components (x, y, z) in N, got {tip_force!r}"
         )
+    leading_shape(q, dq, force)
     J_T = np.swapaxes(jacobian(q, machine=machine)[..., :3, :], -1, -2)
     load = (J_T @ force[..., None])[..., 0]
     return load if resistance is None else resistance + load

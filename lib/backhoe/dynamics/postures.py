@@ -25,6 +25,7 @@ from backhoe.dynamics.terms import (
     solve_inertias,
     vectors,
 )
+from backhoe.kinematics.forward import leading_shape
 from backhoe.machine import Machine
 from backhoe.tiles import for_each_tile
 
@@ -42,7 +43,7 @@ def evaluate(
         first, *others = (vector.tolist() for vector in vectors)
         write(out, arm, posture(arm, first, math.cos, math.sin), *others)
         return out
-    lead = _common_shape(vectors)
+    lead = leading_shape(*vectors)
     flat = [np.broadcast_to(vector, (*lead, 4)).reshape(-1, 4) for vector in vectors]
     out = np.empty((len(flat[0]), *tail))
     compiled = _compiled(write) if len(out) >= MANY else None
@@ -76,15 +77,6 @@ def _compiled(write: Callable) -> Callable | None:
     except ImportError:
         return None
     return getattr(compiled, _COMPILED[write])
-
-
-def _common_shape(vectors: Sequence[NDArray]) -> tuple[int, ...]:
-    shapes = [vector.shape for vector in vectors]
-    try:
-        return np.broadcast_shapes(*shapes)[:-1]
-    except ValueError as error:
-        listed = ", ".join(map(str, shapes))
-        raise ValueError(f"the leading axes must fit each other, got shapes {listed}") from error
 
 
 def write_mass_matrix(M: NDArray, arm: Arm, v: Vectors) -> None:

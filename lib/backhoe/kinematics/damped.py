@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.kinematics.forward import jacobian, joint_vector, pose
+from backhoe.kinematics.forward import jacobian, joint_vector, leading_shape, pose
 from backhoe.kinematics.inverse import target_vector
 from backhoe.machine import BACKHOE, Machine
+from backhoe.reals import real_array
 
 __all__ = ["DampedSolution", "adaptive_damping", "damped_inverse", "solve_damped", "task_jacobian"]
 
@@ -76,11 +77,7 @@ def damped_inverse(J: ArrayLike, damping: ArrayLike) -> NDArray:
     Raises:
         ValueError: J is not a matrix, a value is not finite, or damping is negative.
     """
-    J, damping = np.asarray(J, dtype=float), np.asarray(damping, dtype=float)
-    if J.ndim < 2:
-        raise ValueError(f"J must be a matrix, shape (..., m, n), got shape {J.shape}")
-    if not np.isfinite(J).all():
-        raise ValueError("J must be finite")
+    J, damping = _matrices(J), real_array(damping, "damping must be a number")
     if not (np.isfinite(damping) & (damping >= 0)).all():
         raise ValueError(f"damping must be finite and not negative, got {damping}")
     U, sigma, V_T = np.linalg.svd(J, full_matrices=False)
@@ -103,13 +100,14 @@ def adaptive_damping(J: ArrayLike, largest: float = 0.1, threshold: float = 0.2)
         Damping for `damped_inverse`, shape (...).
 
     Raises:
-        ValueError: largest is negative or threshold is not positive.
+        ValueError: J is not a matrix, a value is not finite, largest is negative, or threshold is
+            not positive.
     """
     if not largest >= 0 or not threshold > 0:
         raise ValueError(
             f"largest must not be negative and threshold positive, got {largest!r}, {threshold!r}"
         )
-    sigma_min = np.linalg.svd(np.asarray(J, dtype=float), compute_uv=False)[..., -1]
+    sigma_min = np.linalg.svd(_matrices(J), compute_uv=False)[..., -1]
     return largest * np.sqrt(np.clip(1 - (sigma_min / threshold) ** 2, 0.0, None))
 
 
@@ -143,8 +141,8 @@ def solve_damped(
         The result with its report.
 
     Raises:
-        ValueError: a last axis is not 4, a value is not finite, damping is negative, or tolerance,
-            max_iterations or max_step is not positive.
+        ValueError: a last axis is not 4, leading axes do not fit each other, a value is not finite,
+            damping is negative, or tolerance, max_iterations or max_step is not positive.
     """
     for name, value in (
         ("tolerance", tolerance),
@@ -153,8 +151,8 @@ def solve_damped(
     ):
         if not value > 0:
             raise ValueError(f"{name} must be positive, got {value!r}")
-    target = target_vector(target)
-    q = np.array(np.broadcast_to(joint_vector(q0, "q0"), np.broadcast(target, q0).shape))
+    target, q0 = target_vector(target), joint_vector(q0, "q0")
+    q = np.array(np.broadcast_to(q0, (*leading_shape(target, q0), 4)))
     path = [q]
     residual = target - pose(q, machine)
     converged = (np.abs(residual) <= tolerance).all(axis=-1)
@@ -188,6 +186,15 @@ def _step_nearer(
             break
         strength = np.where(away, np.maximum(2 * strength, _SMALL_DAMPING), strength)
     return np.where(away[..., None], 0.0, step)
+
+
+def _matrices(J: ArrayLike) -> NDArray:
+    J = real_array(J, "J must be numbers")
+    if J.ndim < 2:
+        raise ValueError(f"J must be a matrix, shape (..., m, n), got shape {J.shape}")
+    if not np.isfinite(J).all():
+        raise ValueError("J must be finite")
+    return J
 
 
 def _damped_reciprocal(sigma: NDArray, damping: NDArray) -> NDArray:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import BACKHOE, JOINTS, Machine
+from backhoe.reals import real_array
 
 __all__ = [
     "FRAMES",
@@ -31,6 +32,8 @@ __all__ = [
 ]
 
 FRAMES = ("swing", "boom", "stick", "tip", "swing_com", "boom_com", "stick_com", "bucket_com")
+
+_NAMES = ", ".join(JOINTS)
 
 
 class _Point(NamedTuple):
@@ -55,20 +58,26 @@ def joint_vector(q: ArrayLike, name: str = "q") -> NDArray:
     Raises:
         ValueError: the last axis is not 4, or a value is not a finite number.
     """
-    try:
-        vector = np.asarray(q, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ValueError(
-            f"{name} must be numbers for the 4 joints ({', '.join(JOINTS)}), got {q!r}"
-        ) from error
+    vector = real_array(q, f"{name} must be numbers for the 4 joints ({_NAMES})")
     if vector.ndim == 0 or vector.shape[-1] != 4:
-        raise ValueError(
-            f"{name} must end in 4 joints ({', '.join(JOINTS)}), got shape {vector.shape}"
-        )
+        raise ValueError(f"{name} must end in 4 joints ({_NAMES}), got shape {vector.shape}")
     one = vector.ndim == 1
     if not (all(map(math.isfinite, vector.tolist())) if one else np.isfinite(vector).all()):
         raise ValueError(f"{name} must be finite, got {_first_bad(vector)}")
     return vector
+
+
+def leading_shape(*vectors: NDArray) -> tuple[int, ...]:
+    """The leading axes that arrays share once those of length 1 or missing are repeated.
+
+    Raises:
+        ValueError: the leading axes do not fit each other.
+    """
+    try:
+        return np.broadcast_shapes(*(vector.shape[:-1] for vector in vectors))
+    except ValueError as error:
+        shapes = ", ".join(str(vector.shape) for vector in vectors)
+        raise ValueError(f"the leading axes must fit each other, got shapes {shapes}") from error
 
 
 def dh_transform(theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike) -> NDArray:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import BACKHOE, JOINTS, Machine
+from backhoe.reals import real_array
 from backhoe.tiles import for_each_tile
 
 __all__ = ["inverse_kinematics", "inverse_tip", "target_vector"]
@@ -100,10 +101,7 @@ def target_vector(target: ArrayLike) -> NDArray:
     Raises:
         ValueError: the last axis is not 4, or a value is not a finite number.
     """
-    try:
-        target = np.asarray(target, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"target must be numbers (x, y, z, angle), got {target!r}") from error
+    target = real_array(target, "target must be numbers (x, y, z, angle)")
     if target.ndim == 0 or target.shape[-1] != 4:
         raise ValueError(f"target must end in 4 values (x, y, z, angle), got shape {target.shape}")
     if not np.isfinite(target).all():
@@ -122,7 +120,7 @@ def _solve_all(
 ) -> NDArray:
     """Solve tile by tile, then deal with what has no solution."""
     target = target_vector(target)
-    if elbow not in _ELBOWS:
+    if not isinstance(elbow, str) or elbow not in _ELBOWS:
         raise ValueError(f'elbow must be "up" or "down", got {elbow!r}')
     if on_failure not in _FAILURES:
         raise ValueError(f'on_failure must be "raise" or "nan", got {on_failure!r}')

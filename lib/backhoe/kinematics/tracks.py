@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import BACKHOE, Machine
+from backhoe.reals import real_array
 
 __all__ = ["sprocket_speeds", "tracks_twist", "twist_to_world", "world_rates"]
 
@@ -100,10 +101,7 @@ def world_rates(
 
 
 def _finite(values: ArrayLike, name: str) -> NDArray:
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} must be numbers, got {values!r}") from error
+    array = real_array(values, f"{name} must be numbers")
     if not np.isfinite(array).all():
         raise ValueError(f"{name} must be finite, got {values!r}")
     return array

@@ -1,5 +1,7 @@
 """The machine's numbers: all sourced, all checked, none changeable in place."""
 
+import copy
+import pickle
 from dataclasses import FrozenInstanceError, fields, is_dataclass
 
 import numpy as np
@@ -162,6 +164,47 @@ def test_machine_cannot_be_changed_in_place():
         BACKHOE.stick.length = 3.0
     with pytest.raises(ValueError, match="read-only"):
         BACKHOE.lower[0] = 0.0
+
+
+def test_a_copy_cannot_be_changed_in_place_either():
+    assert not BACKHOE.lower.flags.writeable
+    for copied in (pickle.loads(pickle.dumps(BACKHOE)), copy.deepcopy(BACKHOE)):
+        assert copied == BACKHOE and hash(copied) == hash(BACKHOE)
+        with pytest.raises(ValueError, match="read-only"):
+            copied.lower[0] = 0.0
+
+
+@pytest.mark.parametrize("number", [np.float32(2.5), np.int64(2), 2])
+def test_any_type_of_number_is_kept_as_a_float(number):
+    variant = replace(BACKHOE, stick=replace(BACKHOE.stick, length=number))
+    assert type(variant.stick.length) is float and variant.stick.length == number
+    assert dynamics.mass_matrix(np.zeros(4), variant).dtype == float
+
+
+@pytest.mark.parametrize("make", [list, np.array])
+def test_a_profile_of_any_sequence_makes_the_same_machine(make):
+    points = make([list(point) for point in BACKHOE.shell.profile])
+    variant = replace(BACKHOE, shell=replace(BACKHOE.shell, profile=points))
+    assert variant == BACKHOE and hash(variant) == hash(BACKHOE)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda: replace(BACKHOE, stick=2.5), "Machine.stick must be a Link, got 2.5"),
+        (lambda: replace(BACKHOE, swing=BACKHOE.boom), "Machine.swing must be a Swing"),
+        (lambda: replace(BACKHOE, shell=None), "Machine.shell must be a Shell, got None"),
+        (lambda: replace(BACKHOE.boom, joint=0.3), "Link.joint must be a Joint, got 0.3"),
+    ],
+)
+def test_a_part_of_another_type_is_refused(change, message):
+    with pytest.raises(TypeError, match=message):
+        change()
+
+
+def test_a_number_beyond_all_floats_is_refused():
+    with pytest.raises(ValueError, match=r"Link\.mass must be a finite number"):
+        replace(BACKHOE.stick, mass=10**400)
 
 
 def test_whole_mass_is_the_sum_of_the_parts():

@@ -10,10 +10,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from math import isfinite, pi, radians
+from math import inf, isfinite, nan, pi, radians
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
+
+from backhoe.reals import real_array
 
 __all__ = [
     "BACKHOE",
@@ -32,14 +35,28 @@ JOINTS = ("swing", "boom", "stick", "bucket")
 
 
 def _require(owner: object, positive: tuple[str, ...] = (), any_sign: tuple[str, ...] = ()) -> None:
+    """Check numbers and keep them as floats, whatever type of number came."""
     for name in positive + any_sign:
+        value, path = getattr(owner, name), f"{type(owner).__name__}.{name}"
+        try:
+            number = float(value) if isinstance(value, Real) else nan
+        except OverflowError:
+            number = inf
+        if isinstance(value, bool) or not isfinite(number):
+            raise ValueError(f"{path} must be a finite number, got {value!r}")
+        if name in positive and number <= 0:
+            raise ValueError(f"{path} must be positive, got {value!r}")
+        object.__setattr__(owner, name, number)
+
+
+def _require_part(owner: object, kind: type, *names: str) -> None:
+    for name in names:
         value = getattr(owner, name)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
-            raise ValueError(
-                f"{type(owner).__name__}.{name} must be a finite number, got {value!r}"
+        if not isinstance(value, kind):
+            raise TypeError(
+                f"{type(owner).__name__}.{name} must be a {kind.__name__}, got {value!r}: "
+                f"change one with replace(machine.{name}, ...)"
             )
-        if name in positive and value <= 0:
-            raise ValueError(f"{type(owner).__name__}.{name} must be positive, got {value!r}")
 
 
 @dataclass(frozen=True)
@@ -90,6 +107,7 @@ class Swing:
 
     Raises:
         ValueError: a value is not finite, or a mass or inertia is not positive.
+        TypeError: joint is no Joint.
     """
 
     height: float
@@ -107,6 +125,7 @@ class Swing:
             ("mass", "inertia"),
             ("height", "offset", "com_radius", "com_angle", "com_height"),
         )
+        _require_part(self, Joint, "joint")
 
 
 @dataclass(frozen=True)
@@ -119,6 +138,7 @@ class Link:
 
     Raises:
         ValueError: a value is not finite, or a length, mass or inertia is not positive.
+        TypeError: joint is no Joint.
     """
 
     length: float
@@ -131,6 +151,7 @@ class Link:
 
     def __post_init__(self) -> None:
         _require(self, ("length", "mass", "inertia"), ("angle_offset", "com_radius", "com_angle"))
+        _require_part(self, Joint, "joint")
 
 
 @dataclass(frozen=True)
@@ -177,13 +198,14 @@ class Shell:
 
     def __post_init__(self) -> None:
         _require(self, ("width", "plate"))
-        points = np.asarray(self.profile, dtype=float)
+        points = real_array(self.profile, "Shell.profile must be (x, y) points")
         if points.ndim != 2 or points.shape[0] < 3 or points.shape[1] != 2:
             raise ValueError(
                 f"Shell.profile must be at least 3 (x, y) points, got shape {points.shape}"
             )
         if not np.isfinite(points).all():
             raise ValueError("Shell.profile must be finite")
+        object.__setattr__(self, "profile", tuple(map(tuple, points.tolist())))
         if self.section_area <= 0:
             raise ValueError("Shell.profile must enclose an area, teeth first, then the floor")
 
@@ -201,7 +223,12 @@ class Shell:
 
 @dataclass(frozen=True)
 class Machine:
-    """One tracked backhoe; make a variant with `replace(BACKHOE, stick=replace(...))`."""
+    """One tracked backhoe; make a variant with `replace(BACKHOE, stick=replace(...))`.
+
+    Raises:
+        ValueError: gravity is not finite.
+        TypeError: a part is of another type.
+    """
 
     base: Base
     swing: Swing
@@ -214,6 +241,15 @@ class Machine:
 
     def __post_init__(self) -> None:
         _require(self, any_sign=("gravity",))
+        _require_part(self, Base, "base")
+        _require_part(self, Swing, "swing")
+        _require_part(self, Link, "boom", "stick", "bucket")
+        _require_part(self, Tracks, "tracks")
+        _require_part(self, Shell, "shell")
+
+    def __getstate__(self) -> dict[str, object]:
+        """The numbers alone: a copy makes its own read-only arrays of them."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @property
     def links(self) -> tuple[Link, Link, Link]:

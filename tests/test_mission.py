@@ -1,10 +1,38 @@
 import numpy as np
 import pytest
 
-from backhoe import dynamics, kinematics, mission, sim
+from backhoe import dynamics, kinematics, mission, pid, sim
 from backhoe.machine import BACKHOE, replace
+from backhoe.sim import loop
 
 BUCKET = BACKHOE.shell.struck_capacity
+
+
+class InPlace(pid.PID):
+    """A controller that writes into all it is given."""
+
+    def __call__(self, q_ref, dq_ref, q, dq, dt):
+        torque = super().__call__(q_ref, dq_ref, q, dq, dt)
+        for argument in (q_ref, dq_ref, q, dq):
+            argument[:] = np.nan
+        return torque
+
+
+class OddError(ValueError):
+    def __init__(self, first, second):
+        super().__init__(first, second)
+
+
+def fails_oddly(target):
+    raise OddError("no", "way")
+
+
+@pytest.fixture
+def short_plan():
+    """Two way-points above the ground, half a second each."""
+    q = loop.REST + np.radians([[4.0, 0, 0, 0], [4.0, 3, 0, 10]])
+    targets = kinematics.pose(q).tolist()
+    return lambda cycle: [mission.WayPoint(str(n), 0.5, tuple(x)) for n, x in enumerate(targets)]
 
 
 @pytest.fixture(scope="module")
@@ -96,11 +124,107 @@ def test_a_longer_stick_still_loads_the_truck():
         ({"controller": lambda *_: None}, "your controller"),
         ({"plan": lambda cycle: []}, "plan must return a list of WayPoint"),
         ({"trajectory": lambda times, q_way, t: q_way}, "your trajectory must return two arrays"),
+        (
+            {"trajectory": lambda times, q_way, t: (q_way, q_way)},
+            r"your trajectory \(angles\) must return shape",
+        ),
+        ({"plan": lambda cycle: None}, "plan must return a list of WayPoint.*, got None"),
+        ({"plan": lambda: []}, "your plan failed"),
+        ({"gravity_torque": lambda q: np.full(4, 1j)}, "your gravity_torque must be numbers"),
+        ({"inverse_kinematics": fails_oddly}, "your inverse_kinematics failed"),
+        ({"ik": kinematics.inverse_kinematics}, "unknown part 'ik': the parts are plan, inverse_"),
+        ({"controller": InPlace}, "controller is the class InPlace: make one"),
     ],
 )
 def test_a_part_that_breaks_its_promise_is_named(arguments, message):
     with pytest.raises((ValueError, TypeError), match=message):
         mission.run(**{"cycles": 1, **arguments})
+
+
+@pytest.mark.parametrize(
+    ("time", "target", "message"),
+    [
+        (1.0, (9.0, 0.0, 2.0, 0.0), "^at way-point 'far': target .* outside the reach"),
+        (1.0, (6.0, 0.0, 2.0), "the target of way-point 'far' must be x, y, z and the bucket"),
+        (1.0, "here", "the target of way-point 'far' must be numbers"),
+        (1.0, (6.0, 0.0, np.nan, 0.0), "the target of way-point 'far' .* all finite"),
+        ("1", (6.0, 0.0, 2.0, 0.0), "way-point 'far' needs a time above 0 s, got '1'"),
+        (np.inf, (6.0, 0.0, 2.0, 0.0), "way-point 'far' needs a time above 0 s, got inf"),
+    ],
+)
+def test_a_way_point_that_cannot_be_is_named(time, target, message):
+    def plan(cycle):
+        return [mission.WayPoint("far", time, target)]
+
+    with pytest.raises(ValueError, match=message):
+        mission.run(plan=plan, cycles=1)
+
+
+def test_an_error_inside_a_part_keeps_its_type_and_names_the_part():
+    def divides(q):
+        return q / [1, 2, 3][7]
+
+    with pytest.raises(IndexError) as caught:
+        mission.run(gravity_torque=divides, cycles=1)
+    assert "in your gravity_torque" in caught.value.__notes__[0]
+
+
+def test_parts_that_write_into_their_arguments_spoil_nothing(short_plan):
+    def inverse(target):
+        q = kinematics.inverse_kinematics(target)
+        target[:] = np.nan
+        return q
+
+    def gravity(q):
+        torque = dynamics.gravity_torque(q)
+        q[:] = np.nan
+        return torque
+
+    def trajectory(times, q_way, t):
+        result = mission.smooth_trajectory(times, q_way, t)
+        times[:], q_way[:], t[:] = np.nan, np.nan, np.nan
+        return result
+
+    plain = mission.run(plan=short_plan, cycles=1)
+    run = mission.run(
+        plan=short_plan,
+        inverse_kinematics=inverse,
+        gravity_torque=gravity,
+        controller=InPlace(*pid.ARM_GAINS, BACKHOE.torque_limit),
+        trajectory=trajectory,
+        cycles=1,
+    )
+    for name in ("time", "q", "q_ref", "torque", "wanted", "reached"):
+        np.testing.assert_array_equal(getattr(run, name), getattr(plain, name))
+
+
+def test_lists_are_as_good_as_arrays(short_plan):
+    run = mission.run(
+        plan=lambda cycle: tuple(short_plan(cycle)),
+        inverse_kinematics=lambda target: kinematics.inverse_kinematics(target).tolist(),
+        gravity_torque=lambda q: dynamics.gravity_torque(q).tolist(),
+        trajectory=lambda *where: [part.tolist() for part in mission.smooth_trajectory(*where)],
+        cycles=1,
+    )
+    np.testing.assert_array_equal(run.q, mission.run(plan=short_plan, cycles=1).q)
+
+
+def test_a_second_run_in_one_world_is_scored_by_its_own_soil():
+    with sim.open_world(backend="analytic") as world:
+        mission.run(world=world, cycles=1)
+        second = mission.run(world=world, cycles=1)
+        world.step(np.zeros(4))
+    assert second.truck_volume[0] > 0.5 * BUCKET
+    score = mission.score(second)
+    assert score.soil == second.truck_volume[-1] - second.truck_volume[0]
+
+
+def test_a_run_in_a_students_own_world_is_scored_in_the_same_scene(short_plan):
+    bare = replace(sim.LOADING, heaps=())
+    with sim.open_world(backend="analytic", scene=bare) as world:
+        world.backend = "mine"
+        run = mission.run(world=world, cycles=1, gravity_torque=dynamics.gravity_torque)
+    assert mission.score(run).reference.soil < 0.5 * BUCKET
 
 
 def test_a_part_that_is_not_a_function_is_refused():

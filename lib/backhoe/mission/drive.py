@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import ceil
+from math import ceil, inf
+from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +15,14 @@ from numpy.typing import NDArray
 from backhoe import dynamics, kinematics, pid, sim
 from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.mission.parts import PARTS, WayPoint, hand_made_plan, smooth_trajectory
+from backhoe.reals import real_array
 
 if TYPE_CHECKING:
     from backhoe.replay import Recorder, Replay
 
 LOG_EVERY = 10
+
+_WANTED_PLAN = f"plan must return a list of WayPoint. It is {PARTS['plan'].call}"
 
 
 @dataclass
@@ -29,12 +33,13 @@ class Run:
     `truck_volume` (n,) [m^3]; `in_the_air` (n,) whether the bucket is empty and touches no soil;
     `reached` (k, 4) against `wanted` (k, 4), stick's tip [m] and bucket
     angle [rad] at each way-point; `soil_lost` is the largest change of the sum of all soil [m^3];
-    `swapped` names the student's parts.
+    `swapped` names the student's parts; `machine`, `scene` and `backend` are those of its world.
     """
 
     swapped: tuple[str, ...]
     cycles: int
     machine: Machine
+    scene: sim.Scene
     backend: str
     waypoints: tuple[WayPoint, ...]
     time: NDArray
@@ -68,32 +73,67 @@ class Run:
         return self.recorder.replay(title=title, alt=alt)
 
 
-def _checked(name: str, part: Callable, shape: tuple[int, ...]) -> Callable:
+def _asked(name: str, part: Callable, *arguments: object) -> object:
+    """What a student's part returns for copies of the arguments; its errors name the part."""
+    copies = [value.copy() if isinstance(value, np.ndarray) else value for value in arguments]
+    try:
+        return part(*copies)
+    except (TypeError, ValueError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        raise kind(f"your {name} failed: {error}. It is {PARTS[name].call}") from error
+    except Exception as error:
+        error.add_note(f"This happened in your {name}. It is {PARTS[name].call}")
+        raise
+
+
+def _numbers(name: str, what: str, value: object, shape: tuple[int, ...]) -> NDArray:
+    call = PARTS[name].call
+    value = real_array(value, f"{what} must be numbers, it is {call}")
+    if value.shape != shape:
+        raise ValueError(f"{what} must return shape {shape}, got {value.shape}. It is {call}")
+    if not np.isfinite(value).all():
+        bad = value[~np.isfinite(value)][0]
+        raise ValueError(f"{what} returned a value that is not finite: {bad}")
+    return value
+
+
+def _checked(name: str, part: Callable) -> Callable:
     def call(*arguments: object) -> NDArray:
-        try:
-            value = np.asarray(part(*arguments), dtype=float)
-        except (TypeError, ValueError) as error:
-            raise type(error)(f"your {name} failed: {error}. It is {PARTS[name].call}") from error
-        if value.shape != shape:
-            raise ValueError(
-                f"your {name} must return shape {shape}, got {value.shape}. "
-                f"It is {PARTS[name].call}"
-            )
-        if not np.isfinite(value).all():
-            raise ValueError(f"your {name} returned a value that is not finite: {value}")
-        return value
+        return _numbers(name, f"your {name}", _asked(name, part, *arguments), (4,))
 
     return call
 
 
 def _plan(plan: Callable, cycles: int) -> list[WayPoint]:
-    waypoints = [waypoint for cycle in range(cycles) for waypoint in plan(cycle)]
+    waypoints = []
+    for cycle in range(cycles):
+        of_cycle = _asked("plan", plan, cycle)
+        if not isinstance(of_cycle, Iterable):
+            raise ValueError(f"{_WANTED_PLAN}, got {of_cycle!r}")
+        waypoints += of_cycle
     if not waypoints or not all(isinstance(waypoint, WayPoint) for waypoint in waypoints):
-        raise ValueError(f"plan must return a list of WayPoint. It is {PARTS['plan'].call}")
-    for waypoint in waypoints:
-        if not waypoint.time > 0:
-            raise ValueError(f"way-point {waypoint.name!r} needs a time above 0 s")
+        raise ValueError(_WANTED_PLAN)
+    for name, seconds, target in ((point.name, point.time, point.target) for point in waypoints):
+        if not (isinstance(seconds, Real) and 0 < seconds < inf):
+            raise ValueError(f"way-point {name!r} needs a time above 0 s, got {seconds!r}")
+        wanted = real_array(target, f"the target of way-point {name!r} must be numbers")
+        if wanted.shape != (4,) or not np.isfinite(wanted).all():
+            raise ValueError(
+                f"the target of way-point {name!r} must be x, y, z and the bucket's angle, all "
+                f"finite, got {target!r}"
+            )
     return waypoints
+
+
+def _postures(waypoints: Sequence[WayPoint], inverse: Callable) -> list[NDArray]:
+    """Joint angles at the way-points."""
+    postures = []
+    for waypoint in waypoints:
+        try:
+            postures.append(inverse(np.array(waypoint.target, dtype=float)))
+        except ValueError as error:
+            raise ValueError(f"at way-point {waypoint.name!r}: {error}") from error
+    return postures
 
 
 def _within_speed(
@@ -123,6 +163,7 @@ def run(
     machine: Machine = BACKHOE,
     backend: str = "auto",
     record: bool = False,
+    **unknown: object,
 ) -> Run:
     """Dig and load with the library's parts, or with yours in their place.
 
@@ -143,38 +184,40 @@ def run(
             that are not finite, a way-point that a joint cannot reach in its time.
         TypeError: a part of an unknown name, or one that cannot be called.
     """
+    if unknown:
+        raise TypeError(f"unknown part {next(iter(unknown))!r}: the parts are {', '.join(PARTS)}")
     if isinstance(cycles, bool) or not isinstance(cycles, int) or cycles < 1:
         raise ValueError(f"cycles must be a whole number, 1 or more, got {cycles!r}")
-    given = {
+    offered = {
         "plan": plan,
         "inverse_kinematics": inverse_kinematics,
         "gravity_torque": gravity_torque,
         "controller": controller,
         "trajectory": trajectory,
     }
-    swapped = tuple(name for name, part in given.items() if part is not None)
-    for name in swapped:
-        if not callable(given[name]):
-            raise TypeError(f"{name} must be a function: {PARTS[name].call}, got {given[name]!r}")
+    given = {name: part for name, part in offered.items() if part is not None}
+    for name, part in given.items():
+        if isinstance(part, type):
+            raise TypeError(f"{name} is the class {part.__name__}: make one, {part.__name__}(...)")
+        if not callable(part):
+            raise TypeError(f"{name} must be a function: {PARTS[name].call}, got {part!r}")
     if world is not None:
-        return _drive(world, cycles, given, swapped, record)
+        return _drive(world, cycles, given, record)
     with sim.open_world(machine, backend=backend) as opened:
-        return _drive(opened, cycles, given, swapped, record)
+        return _drive(opened, cycles, given, record)
 
 
-def _drive(
-    world: sim.Simulation, cycles: int, given: dict, swapped: tuple[str, ...], record: bool
-) -> Run:
+def _drive(world: sim.Simulation, cycles: int, given: dict[str, Callable], record: bool) -> Run:
     if world.ground is None:
         raise ValueError("the mission needs soil: open the world with soil=True")
     machine, dt = world.machine, world.dt
     inverse, gravity, controller = _followers(given, machine)
-    waypoints = _plan(given["plan"] or hand_made_plan, cycles)
+    waypoints = _plan(given.get("plan", hand_made_plan), cycles)
     wanted = np.array([waypoint.target for waypoint in waypoints], dtype=float)
-    q_way = np.array([world.q.copy(), *(inverse(target.copy()) for target in wanted)])
+    q_way = np.array([world.q.copy(), *_postures(waypoints, inverse)])
     times = np.cumsum([0.0, *(waypoint.time for waypoint in waypoints)])
     t = np.arange(round(times[-1] / dt) + 1) * dt
-    q_ref, dq_ref = _reference(given["trajectory"] or smooth_trajectory, times, q_way, t)
+    q_ref, dq_ref = _reference(given.get("trajectory", smooth_trajectory), times, q_way, t)
     _within_speed(waypoints, times, t, dq_ref, machine)
 
     recorder = _recorder(world) if record else None
@@ -197,9 +240,10 @@ def _drive(
         world.step(controller(q_ref[step], dq_ref[step], q, dq, dt) + gravity(q))
     q_log, torque_log, bucket, truck, total, touching = map(np.array, zip(*log, strict=True))
     return Run(
-        swapped=swapped,
+        swapped=tuple(given),
         cycles=cycles,
         machine=machine,
+        scene=world.scene,
         backend=world.backend,
         waypoints=tuple(waypoints),
         time=t[::LOG_EVERY],
@@ -216,33 +260,31 @@ def _drive(
     )
 
 
-def _followers(given: dict, machine: Machine) -> list[Callable]:
-    """Inverse kinematics, gravity torque and controller, each checked at every call."""
+def _followers(given: dict[str, Callable], machine: Machine) -> list[Callable]:
+    """Inverse kinematics, gravity torque and controller; a student's is checked at every call."""
     own = {
         "inverse_kinematics": partial(kinematics.inverse_kinematics, machine=machine),
         "gravity_torque": partial(dynamics.gravity_torque, machine=machine),
         "controller": pid.PID(*pid.ARM_GAINS, machine.torque_limit),
     }
     for part in given.values():
-        if hasattr(part, "reset"):
+        if callable(getattr(part, "reset", None)):
             part.reset()
-    return [_checked(name, given[name] or own[name], (4,)) for name in own]
+    return [_checked(name, given[name]) if name in given else own[name] for name in own]
 
 
 def _reference(
     trajectory: Callable, times: NDArray, q_way: NDArray, t: NDArray
 ) -> tuple[NDArray, NDArray]:
-    pair = trajectory(times, q_way, t)
-    if not (isinstance(pair, tuple) and len(pair) == 2):
+    pair = _asked("trajectory", trajectory, times, q_way, t)
+    if not (isinstance(pair, tuple | list) and len(pair) == 2):
         call = PARTS["trajectory"].call
         raise ValueError(f"your trajectory must return two arrays. It is {call}")
-    for name, value in zip(("angles", "speeds"), pair, strict=True):
-        if np.shape(value) != (len(t), 4) or not np.isfinite(value).all():
-            raise ValueError(
-                f"your trajectory's {name} must be finite and of shape {(len(t), 4)}, "
-                f"got {np.shape(value)}"
-            )
-    return np.asarray(pair[0], dtype=float), np.asarray(pair[1], dtype=float)
+    angles, speeds = (
+        _numbers("trajectory", f"your trajectory ({name})", value, (len(t), 4))
+        for name, value in zip(("angles", "speeds"), pair, strict=True)
+    )
+    return angles, speeds
 
 
 def _recorder(world: sim.Simulation) -> Recorder:

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from backhoe import sim
 from backhoe.machine import Machine
 from backhoe.mission.drive import Run, run
 
@@ -15,9 +16,9 @@ from backhoe.mission.drive import Run, run
 class Score:
     """A run in five numbers, beside the reference run.
 
-    `soil` in the truck [m^3], `time` [s], `waypoint_error` the mean distance from a wanted to a
-    reached stick's tip [m], `bucket_error` the same of the bucket joint [rad], `tracking` the root
-    mean square of q_ref - q while the bucket is empty and in the air [rad].
+    `soil` loaded into the truck [m^3], `time` [s], `waypoint_error` the mean distance from a wanted
+    to a reached stick's tip [m], `bucket_error` the same of the bucket joint [rad], `tracking` the
+    root mean square of q_ref - q while the bucket is empty and in the air [rad].
     """
 
     soil: float
@@ -51,7 +52,7 @@ def _measure(run: Run) -> Score:
     distance = np.linalg.norm(run.reached[:, :3] - run.wanted[:, :3], axis=-1)
     error = run.q_ref - run.q
     return Score(
-        soil=float(run.truck_volume[-1]),
+        soil=float(run.truck_volume[-1] - run.truck_volume[0]),
         time=float(run.time[-1]),
         waypoint_error=float(distance.mean()),
         bucket_error=float(np.abs(run.reached[:, 3] - run.wanted[:, 3]).mean()),
@@ -61,12 +62,15 @@ def _measure(run: Run) -> Score:
 
 
 @lru_cache(maxsize=8)
-def _reference_score(cycles: int, machine: Machine, backend: str) -> Score:
-    return _measure(run(cycles=cycles, machine=machine, backend=backend))
+def _reference_score(cycles: int, machine: Machine, scene: sim.Scene, backend: str) -> Score:
+    with sim.open_world(machine, backend=backend, scene=scene) as world:
+        return _measure(run(cycles=cycles, world=world))
 
 
 def score(run: Run) -> Score:
     """Measure a run beside the same number of cycles with the library's parts only.
+
+    The reference runs in a new world of the same scene, by the same backend if it is the library's.
 
     Args:
         run: what `mission.run` returned.
@@ -77,5 +81,6 @@ def score(run: Run) -> Score:
     measured = _measure(run)
     if not run.swapped:
         return measured
-    reference = _reference_score(run.cycles, run.machine, run.backend)
+    backend = run.backend if run.backend in sim.BACKENDS else "auto"
+    reference = _reference_score(run.cycles, run.machine, run.scene, backend)
     return Score(**{**vars(measured), "reference": reference})

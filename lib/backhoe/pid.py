@@ -63,6 +63,7 @@ class PID:
                 f"torque_limit must be positive, one for each of {len(self.kp)} joints, "
                 f"got {torque_limit}"
             )
+        self._lower = -self.torque_limit
         self.reset()
 
     def reset(self) -> None:
@@ -85,7 +86,7 @@ class PID:
         error = q_ref - q
         integral = self.integral + error * dt
         wanted = self.kp * error + self.kd * (dq_ref - dq) + self.ki * integral
-        torque = np.minimum(np.maximum(wanted, -self.torque_limit), self.torque_limit)
+        torque = np.minimum(np.maximum(wanted, self._lower), self.torque_limit)
         limited = wanted != torque
         if any(limited.tolist()):
             integral = np.where(limited & (wanted * error > 0), self.integral, integral)

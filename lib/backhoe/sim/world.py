@@ -166,10 +166,9 @@ class BulletWorld(Loop):
 
     def _read(self) -> None:
         states = self._engine.getJointStates(self._body, self._moving, physicsClientId=self._client)
-        q, dq = np.zeros(7), np.zeros(7)
-        for index, state in enumerate(states, self._first):
-            q[index], dq[index] = state[0], state[1]
-        self._q, self._dq = q, dq
+        angles, rates, *_ = zip(*states, strict=True)
+        held = (0.0,) * self._first
+        self._q, self._dq = np.array(held + angles), np.array(held + rates)
 
     def _place(self, q: NDArray, dq: NDArray) -> None:
         for index, angle, speed in zip(

@@ -178,7 +178,10 @@ class TestNotDone:
 PATTERNS = {
     "the sign is wrong everywhere": ("9.1", lambda q: -turn(q)),
     "the matrix is transposed": ("9.1", lambda q: turn(q).T),
-    "it takes the input for radians: it is in degrees": ("9.1", lambda q: turn(np.degrees(q))),
+    "it would be right for np.degrees of the input: degrees for radians?": (
+        "9.1",
+        lambda q: turn(np.degrees(q)),
+    ),
     "it turns the sign of the input": ("9.1", lambda q: turn(-q)),
     "it takes the arguments in the reverse order": ("9.3", lambda a, b: slope(b, a)),
     "it is off by the factor pi": ("9.1", lambda q: turn(q) * np.pi),
@@ -190,6 +193,7 @@ PATTERNS = {
         lambda v: np.degrees(stretch(v)),
     ),
     "it is off by the constant factor 1.7": ("9.1", lambda q: turn(q) * 1.7),
+    "it is off by 0.1 % everywhere: is a number rounded?": ("9.1", lambda q: turn(q) * 0.999),
     "it is pi/2 too small": ("9.2", lambda v: stretch(v) - np.pi / 2),
     "it is too small by the same 1 everywhere": ("9.2", lambda v: 2 * v),
     "angles are off by whole turns: wrap them": (

@@ -60,9 +60,22 @@ def _known_mistake(trial: Trial) -> str | None:
     right = outcomes(trial.references)
     for mistake in trial.exercise.mistakes:
         wrong = outcomes(gives(trial.exercise, mistake.wrong, trial.cases))
-        if _same(trial, trial.outcomes, wrong) and not _same(trial, wrong, right):
+        if _same(trial, _as_nan(trial.outcomes, wrong), wrong) and not _same(trial, wrong, right):
             return mistake.diagnosis
     return None
+
+
+def _as_nan(outcomes: Sequence[object], wrong: Sequence[object]) -> list[object]:
+    """The outcomes, with a `ValueError` for an input out of reach counted as the mistake's NaN."""
+    return [
+        other
+        if isinstance(one, Raised)
+        and one.kind == "ValueError"
+        and isinstance(other, Numbers)
+        and all(np.isnan(part).any() for part in other.parts)
+        else one
+        for one, other in zip(outcomes, wrong, strict=True)
+    ]
 
 
 def _same(trial: Trial, one: Sequence[object], other: Sequence[object]) -> bool:
@@ -110,8 +123,12 @@ def _told(trial: Trial, place: int) -> str:
     """The input of a case, as the end of a sentence."""
     case = trial.cases[place]
     names = trial.exercise.argument_names(len(case))
-    told = ", ".join(f"{name} = {show(one)}" for name, one in zip(names, case, strict=True))
-    return f", for {told}" if told else ""
+    told = ", ".join(
+        f"{name} = {show(one)}" if np.size(one) <= 8 else f"{name} of shape {np.shape(one)}"
+        for name, one in zip(names, case, strict=True)
+        if isinstance(one, str | int | float | np.ndarray)
+    )
+    return f", for {told}" if 0 < len(told) <= 100 else ""
 
 
 def _malformed(outcome: object, reference: object, any_shape: bool) -> str | None:
@@ -152,8 +169,8 @@ def _other_inputs(trial: Trial) -> str | None:
         )
 
     usual = {
-        "it takes the input for degrees: it is in radians": each(np.radians),
-        "it takes the input for radians: it is in degrees": each(np.degrees),
+        "it would be right for np.radians of the input: radians for degrees?": each(np.radians),
+        "it would be right for np.degrees of the input: degrees for radians?": each(np.degrees),
         "it turns the sign of the input": each(np.negative),
         "it takes the arguments in the reverse order": lambda case: case[::-1],
     }

@@ -53,7 +53,7 @@ def overall(one: NDArray, other: NDArray, near: Callable) -> str | None:
         return "the matrix is transposed"
     if not one.any():
         return "it returns only zeros"
-    if one.shape[0] > 1 and near(one, one[0]).all():
+    if one.shape[0] > 1 and near(one, one[0]).all() and not near(other, other[0]).all():
         return "it returns the same for every input"
     return _scaled(one, other, near) or _shifted(one, other, near)
 
@@ -84,6 +84,8 @@ def _scaled(one: NDArray, other: NDArray, near: Callable) -> str | None:
     if near(one, np.copysign(_FACTORS[name], factor) * other).all():
         return f"it is off by the factor {'-' if factor < 0 else ''}{name}"
     if _varies(other, near) and near(one, factor * other).all():
+        if abs(factor - 1) < 0.02:
+            return f"it is off by {100 * abs(factor - 1):.2g} % everywhere: is a number rounded?"
         return f"it is off by the constant factor {factor:.4g}"
     return None
 

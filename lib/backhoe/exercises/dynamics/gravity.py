@@ -136,6 +136,24 @@ GRAVITY = Exercise(
             "that is (2.21) as printed: look for a length without its cosine and a missing weight",
         ),
         Mistake(
+            "two links",
+            lambda q: dynamics.gravity_torque(q, machine=variant(bucket={"mass": 1e-12})),
+            "the bucket is missing: its weight pulls at all three joints",
+        ),
+        Mistake(
+            "lengths for L_cm",
+            lambda q: dynamics.gravity_torque(
+                q,
+                machine=variant(
+                    **{
+                        name: {"com_radius": getattr(BACKHOE, name).length}
+                        for name in ("boom", "stick", "bucket")
+                    }
+                ),
+            ),
+            "a link's own weight pulls at its centre of mass, L_cm from its joint, not at its end",
+        ),
+        Mistake(
             "own weight only",
             _own_weight,
             "a joint carries every link beyond it, not only its own",

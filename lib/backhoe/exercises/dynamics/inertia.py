@@ -27,6 +27,11 @@ def _point_load(q: ArrayLike, load: float, frame: str) -> NDArray:
     return load * Jv.T @ Jv
 
 
+def _spin(q: ArrayLike, load: float) -> NDArray:
+    Jw = kinematics.jacobian(q, "bucket_com")[3:]
+    return load * Jw.T @ Jw
+
+
 def _sum_of_links(
     q: ArrayLike,
     load: float,
@@ -84,6 +89,16 @@ MASS_MATRIX = Exercise(
             "load for mass",
             lambda q, load: dynamics.mass_matrix(q, variant(bucket={"mass": load})),
             "the bucket itself weighs something too: add the load to its mass",
+        ),
+        Mistake(
+            "load turns too",
+            lambda q, load: loaded_mass_matrix(q, load) + _spin(q, load),
+            "the load is a point: only Jv, the first three rows of the Jacobian, counts for it",
+        ),
+        Mistake(
+            "load alone",
+            lambda q, load: _point_load(q, load, "bucket_com"),
+            "that is the load's share alone: the arm itself is missing",
         ),
         Mistake(
             "half",
@@ -173,6 +188,11 @@ CORIOLIS = Exercise(
             "no half",
             lambda q, dq: _m_dot(q, dq) @ dq - _pull(q, dq),
             "the second term has a factor 1/2: it comes from K = dq^T M dq / 2",
+        ),
+        Mistake(
+            "axes of dM",
+            lambda q, dq: _pull(q, dq) / 2,
+            "in Mdot the first axis of dM belongs to dq: np.einsum('ikj,i->kj', dM, dq)",
         ),
         Mistake(
             "plus",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe import dynamics, published, variants
 from backhoe.check import Exercise, Mistake
 from backhoe.machine import BACKHOE
 
@@ -25,7 +26,19 @@ def same_directions(answer: ArrayLike, reference: ArrayLike) -> bool | str:
         return True
     if miss[0] < 0.05 and miss[1] < 0.05 and miss[3] < 0.05:
         return "three are right; gravity cannot see where the teeth are: use the third clue for q4*"
-    return False
+    if (miss < 1).all():
+        return "nearly: take the angles of Table A.2 to a tenth of a degree"
+    torque_miss = _torque_miss(answer)
+    if torque_miss < 0.3:
+        return "the torques fit; now the steel: does each centre of mass lie along its link?"
+    return f"with these offsets the gravity torque misses tau_0 by {torque_miss:.1f} kN m"
+
+
+def _torque_miss(offsets: NDArray) -> float:
+    tau_0 = np.array(published.load("mastalli_2013_free_fall")["gravity_torque"])
+    machine = variants.reading(offsets)
+    torque = dynamics.gravity_torque(np.radians([0.0, 0.0, -10.0, 0.0]), machine=machine)
+    return np.abs(torque - tau_0).max() / 1e3
 
 
 READING = Exercise(
@@ -58,6 +71,12 @@ READING = Exercise(
             "runner-up",
             np.array([-1.9, -176.2, 14.1, -168.6]),
             "the torques fit, but the stick's centre of mass would lie behind its own joint",
+        ),
+        Mistake(
+            "link and centre of mass swapped",
+            np.array([-86.2, -88.1, -78.6, -104.1]),
+            "two and two have changed places: theta_3 and theta_4 are the links, theta_cm the "
+            "centres of mass",
         ),
         Mistake(
             "minus twice",

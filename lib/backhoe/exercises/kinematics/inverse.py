@@ -19,10 +19,10 @@ def inverse_kinematics(target: ArrayLike) -> NDArray:
     x, y, z, bucket = target
     L2, L3 = BACKHOE.boom.length, BACKHOE.stick.length
     swing = np.arctan2(-(x - BACKHOE.base.offset), y)
-    r = np.hypot(x - BACKHOE.base.offset, y) - BACKHOE.swing.offset
+    k = np.hypot(x - BACKHOE.base.offset, y) - BACKHOE.swing.offset
     h = z - BACKHOE.base.height - BACKHOE.swing.height
-    bend = -np.arccos((r**2 + h**2 - L2**2 - L3**2) / (2 * L2 * L3))
-    pitch = np.arctan2(h, r) - np.arctan2(L3 * np.sin(bend), L2 + L3 * np.cos(bend))
+    bend = -np.arccos((k**2 + h**2 - L2**2 - L3**2) / (2 * L2 * L3))
+    pitch = np.arctan2(h, k) - np.arctan2(L3 * np.sin(bend), L2 + L3 * np.cos(bend))
     boom, stick = pitch - BACKHOE.boom.angle_offset, bend - BACKHOE.stick.angle_offset
     return np.array([swing, boom, stick, bucket])
 
@@ -46,6 +46,13 @@ def _unwrapped(target: ArrayLike) -> NDArray:
 def _half_plane(target: ArrayLike) -> NDArray:
     q = inverse_kinematics(target)
     q[0] = np.arctan(target[1] / (target[0] - BACKHOE.base.offset)) - np.pi / 2
+    return q
+
+
+def _gamma_added(target: ArrayLike) -> NDArray:
+    q = inverse_kinematics(target)
+    bend, L2, L3 = q[2] + OFFSETS[1], BACKHOE.boom.length, BACKHOE.stick.length
+    q[1] += 2 * np.arctan2(L3 * np.sin(bend), L2 + L3 * np.cos(bend))
     return q
 
 
@@ -95,6 +102,16 @@ INVERSE = Exercise(
             "the triangle starts at the boom's joint: take L0 + L1 off z",
         ),
         Mistake(
+            "L1 forgotten",
+            lambda target: _of_machine(target, swing=replace(BACKHOE.swing, height=0.0)),
+            "the boom's joint is L0 + L1 above the ground: L1 is missing",
+        ),
+        Mistake(
+            "gamma's sign",
+            _gamma_added,
+            "with the elbow up the boom points above d: the sign of gamma is wrong",
+        ),
+        Mistake(
             "offsets forgotten",
             lambda target: _plus(target, (0, *OFFSETS[:2], 0)),
             "these are q2* and q3*: take the offsets off to get q",
@@ -120,13 +137,24 @@ def _damped_cases(rng: np.random.Generator) -> list[tuple]:
         if index % 2:
             q[2] = -BACKHOE.stick.angle_offset - rng.uniform(0.02, 0.2)
         J = kinematics.task_jacobian(q)
-        cases.append((J, rng.uniform(-0.5, 0.5, 4), rng.uniform(0.05, 0.4)))
+        J = J[: 3 if index % 4 == 3 else 4]
+        cases.append((J, rng.uniform(-0.5, 0.5, len(J)), rng.uniform(0.05, 0.4)))
     return cases
 
 
 def _weighted(J: NDArray, error: NDArray, damping: float, weight: object) -> NDArray:
-    U, sigma, Vt = np.linalg.svd(J)
+    U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
     return Vt.T @ (weight(sigma, damping) * (U.T @ error))
+
+
+def _square_only(J: NDArray, error: NDArray, damping: float) -> NDArray:
+    U, sigma, Vt = np.linalg.svd(J)
+    return Vt.T @ np.diag(sigma / (sigma**2 + damping**2)) @ U.T @ error
+
+
+def _vt_for_v(J: NDArray, error: NDArray, damping: float) -> NDArray:
+    U, sigma, Vt = np.linalg.svd(J)
+    return Vt @ np.diag(sigma / (sigma**2 + damping**2)) @ U.T @ error
 
 
 def _mixed(J: NDArray, error: NDArray, damping: float) -> NDArray:
@@ -153,6 +181,22 @@ DAMPED = Exercise(
             "undamped",
             lambda J, error, damping: np.linalg.solve(J, error),
             "there is no damping in it: near the stretched arm it asks for enormous steps",
+        ),
+        Mistake(
+            "pseudoinverse",
+            lambda J, error, damping: np.linalg.pinv(J) @ error,
+            "that is the pseudoinverse, which has no damping: near the stretched arm it explodes",
+        ),
+        Mistake(
+            "for square J only",
+            _square_only,
+            "right while J is square: with three rows svd(J, full_matrices=False) makes the "
+            "shapes fit",
+        ),
+        Mistake(
+            "V^T for V",
+            _vt_for_v,
+            "np.linalg.svd returns U, sigma and V^T, transposed already: V is V_T.T",
         ),
         Mistake(
             "lambda for its square",
@@ -183,5 +227,5 @@ DAMPED = Exercise(
     ),
     rtol=1e-6,
     atol=1e-8,
-    tested_on="40 random steps, half of them near the stretched arm",
+    tested_on="40 random steps, half near the stretched arm, some with three wishes only",
 )

@@ -150,6 +150,11 @@ GRADING = Exercise(
             "the teeth move level, but the bucket's pitch changes: add a row that keeps it",
         ),
         Mistake(
+            "speed left out",
+            lambda q, speed: grading_speeds(q, 1.0),
+            "that is for 1 m/s whatever is asked: the wanted speed is not used",
+        ),
+        Mistake(
             "inwards",
             lambda q, speed: grading_speeds(q, -speed),
             "the teeth move towards the machine: the sign is wrong",

@@ -104,6 +104,11 @@ MOVING = (
                 "that is the change of height alone: the distance has x and y in it as well",
             ),
             Mistake(
+                "from above",
+                lambda q: _travel(q, lambda d: np.linalg.norm(d[:2])),
+                "that is what one sees from above: the height z belongs to the distance as well",
+            ),
+            Mistake(
                 "stick",
                 lambda q: _travel(q, np.linalg.norm, frame="stick"),
                 "that is the stick's tip, where the bucket hangs: the teeth are the frame 'tip'",
@@ -199,6 +204,39 @@ MOVING = (
                 "sum",
                 lambda q_way, share: _times(q_way, share, over_joints=np.sum),
                 "the joints move together, not one after the other: the slowest counts, no sum",
+            ),
+            Mistake(
+                "mean",
+                lambda q_way, share: _times(q_way, share, over_joints=np.mean),
+                "that is the mean over the joints: the slowest decides, so the longest time counts",
+            ),
+            Mistake(
+                "norm",
+                lambda q_way, share: _times(q_way, share, over_joints=np.linalg.norm),
+                "joints that move together are no triangle: the longest time counts",
+            ),
+            Mistake(
+                "slowest limit",
+                lambda q_way, share: (
+                    np.max(np.abs(np.diff(q_way, axis=0)), axis=1)
+                    / (share * np.min(BACKHOE.speed_limit))
+                ),
+                "the slowest joint is not always the one that turns most: divide joint by joint",
+            ),
+            Mistake(
+                "sign taken off too late",
+                lambda q_way, share: np.abs(_times(q_way, share, size=np.asarray)),
+                "the sign goes too late: first np.abs of the turns, then the largest",
+            ),
+            Mistake(
+                "since the start",
+                lambda q_way, share: np.cumsum(_times(q_way, share)),
+                "those times count from the start: each segment has its own, from one way-point on",
+            ),
+            Mistake(
+                "one for each way-point",
+                lambda q_way, share: np.append(0.0, _times(q_way, share)),
+                "that is one time too many: n way-points have n - 1 segments, without a leading 0",
             ),
             Mistake(
                 "quickest joint",

@@ -91,8 +91,8 @@ READING = (
         number="0.2",
         title="Degrees to radians",
         reference=to_radians,
-        cases=lambda rng: [(rng.uniform(-180, 180, 4),) for _ in range(20)],
-        tested_on="20 random postures",
+        cases=lambda rng: [(90.0,), *((rng.uniform(-180, 180, 4),) for _ in range(20))],
+        tested_on="one angle and 20 random postures",
         mistakes=(
             Mistake(
                 "unchanged",
@@ -157,7 +157,12 @@ READING = (
                 lambda q: np.all(
                     (q >= np.degrees(BACKHOE.lower)) & (q <= np.degrees(BACKHOE.upper))
                 ),
-                "q is in radians and so are BACKHOE.lower and BACKHOE.upper: leave degrees out",
+                "it says True to every posture; degrees in it? q and the limits are in radians",
+            ),
+            Mistake(
+                "never",
+                lambda q: False,
+                "it says False to every posture: does a comparison point the wrong way?",
             ),
             Mistake(
                 "both sides alike",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from backhoe import dynamics, integrate, published
+from backhoe import dynamics, integrate, published, sim
 from backhoe.sim import bench, bullet
 
 CASE = published.load("mastalli_2013_free_fall")
@@ -50,6 +50,7 @@ def test_without_pybullet_one_line_says_so_and_the_fall_is_the_same(monkeypatch,
         raise ImportError("not here")
 
     monkeypatch.setattr(bullet, "pybullet", missing)
+    monkeypatch.setattr(sim, "_announced", False)
     fall = bench.let_go(START, TORQUE, 0.1, dt=0.01)
     assert capsys.readouterr().out.startswith("PyBullet is not installed")
     np.testing.assert_allclose(fall.x, own_fall(100).x[:11], atol=1e-12)

@@ -28,6 +28,16 @@ FALLBACK = (
     "(same dynamics and soil; no contacts, no cameras)."
 )
 
+_announced = False
+
+
+def announce_fallback() -> None:
+    """Say, once in a program, that PyBullet is missing and what goes on without it."""
+    global _announced
+    if not _announced:
+        print(FALLBACK)
+    _announced = True
+
 
 def open_world(
     machine: Machine = BACKHOE,
@@ -45,7 +55,7 @@ def open_world(
     Args:
         machine: the machine's numbers.
         backend: "pybullet", "analytic", or "auto" for PyBullet where it is installed; the fallback
-            says so in one line.
+            says so in one line, the first time.
         scene: the ground's heaps and the truck.
         seed: of the bumps on the heaps; the same seed and inputs repeat bit for bit.
         q: joint angles at the start, shape (4,) [rad]; default arm forward and folded.
@@ -70,7 +80,7 @@ def open_world(
             bullet.pybullet()
             backend = "pybullet"
         except ImportError:
-            print(FALLBACK)
+            announce_fallback()
             backend = "analytic"
     if backend == "pybullet":
         from backhoe.sim.world import BulletWorld as World

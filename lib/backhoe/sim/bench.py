@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe import dynamics, integrate
 from backhoe.kinematics import joint_vector
 from backhoe.machine import BACKHOE, JOINTS, Machine
-from backhoe.sim import FALLBACK, bullet
+from backhoe.sim import announce_fallback, bullet
 from backhoe.sim.urdf import urdf
 
 __all__ = ["let_go"]
@@ -59,7 +59,7 @@ def let_go(
     try:
         engine = bullet.pybullet()
     except ImportError:
-        print(FALLBACK)
+        announce_fallback()
         return integrate.semi_implicit_euler(
             lambda t, q, dq: dynamics.forward_dynamics(q, dq, torque, machine=machine),
             np.concatenate([q, np.zeros(4)]),

@@ -155,7 +155,7 @@ def lay(heights, grid, box, start, end, z, volume):
 
 
 @njit(cache=True)
-def overflow(bed, base, bed_grid, heights, grid, box):
+def overflow(bed, base, bed_grid, bed_box, heights, grid, box):
     """Move what lies on the walls (the outermost cells of the bed) to the ground beside them.
 
     Returns the volume that fell and how much of it missed the map.
@@ -169,6 +169,7 @@ def overflow(bed, base, bed_grid, heights, grid, box):
             loose = (bed[i, j] - base[i, j]) * cell * cell
             if loose > 0.0:
                 bed[i, j] = base[i, j]
+                grow(bed_box, i, j, 2, bed.shape)
                 fell += loose
                 out_x = (j == columns - 1) * 2.0 - (j == 0) * 2.0
                 out_y = (i == rows - 1) * 2.0 - (i == 0) * 2.0

@@ -226,8 +226,9 @@ class Terrain:
         from backhoe.soil_kernels import overflow
 
         fell, missed = overflow(
-            self.heights, self.floor, self.frame, ground.heights, ground.frame, ground.box
-        )
+            self.heights, self.floor, self.frame, self.box,
+            ground.heights, ground.frame, ground.box,
+        )  # fmt: skip
         self.version += fell > 0
         ground.version += fell > missed
         return missed

@@ -28,7 +28,9 @@ def inverse_kinematics(target: ArrayLike) -> NDArray:
 
 
 def _elbow_down(target: ArrayLike) -> NDArray:
-    return kinematics.inverse_kinematics(target, elbow="down", limits=False)
+    q = _gamma_added(target)
+    q[2] = -q[2] - 2 * OFFSETS[1]
+    return q
 
 
 def _of_machine(target: ArrayLike, **parts: object) -> NDArray:

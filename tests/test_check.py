@@ -429,6 +429,28 @@ class TestErrors:
             f"not yet: it stops with {type(error).__name__}"
         )
 
+    def test_survives_an_error_whose_text_ends_the_program(self, said):
+        class Mute(Exception):
+            def __str__(self):
+                raise SystemExit
+
+        assert said("9.1", raises(Mute())).startswith("not yet: it stops with Mute")
+
+    def test_survives_a_function_that_ends_the_program_when_it_is_looked_at(self, said):
+        class Shy:
+            @property
+            def __signature__(self):
+                raise SystemExit
+
+            def __call__(self, q):
+                return turn(q)
+
+        assert said("9.1", Shy()).startswith("right")
+
+    def test_shows_no_control_characters(self, said):
+        line = said("9.1", raises(ValueError("red \x1b[31m text")))
+        assert line.isprintable() and "red [31m text" in line
+
     def test_names_endless_recursion(self, said):
         assert "RecursionError: it calls itself without end" in said("9.1", endless_recursion)
 

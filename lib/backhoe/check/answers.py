@@ -123,7 +123,9 @@ def _misuse(answer: object, exercise: Exercise, cases: Sequence[tuple]) -> str:
         )
     try:
         signature = inspect.signature(answer)
-    except Exception:
+    except TimeUp:
+        raise
+    except BaseException:
         return ""
     try:
         signature.bind(*cases[0])
@@ -142,7 +144,9 @@ def _raised(error: BaseException, answer: object) -> Raised:
         return Raised(kind, f"{kind}: it calls itself without end")
     try:
         text = short(str(error), 100) if error.args[:1] != (None,) else ""
-    except Exception:
+    except TimeUp:
+        raise
+    except BaseException:
         text = ""
     where = _line_of(error, answer)
     return Raised(kind, short(kind, 40) + (f": {text}" if text else "") + where)

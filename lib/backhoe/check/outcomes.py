@@ -123,7 +123,8 @@ def show(value: object) -> str:
 
 def short(text: str, length: int) -> str:
     """`text` on one line of at most `length` characters."""
-    text = " ".join(text[: 4 * length].split())
+    text = "".join(letter if letter.isprintable() else " " for letter in text[: 4 * length])
+    text = " ".join(text.split())
     return text if len(text) <= length else text[: length - 4] + " ..."
 
 

@@ -386,6 +386,8 @@ def test_lock_file_names_no_host():
         ([0, 1], np.zeros((3, 4)), r"q must have shape \(2, 4\)"),
         ([0, 1], np.zeros((2, 3)), r"q must have shape \(2, 4\)"),
         ([0, 1], [[0] * 4, [0, np.nan, 0, 0]], "must be finite"),
+        ([0, 1], np.full((2, 4), 1j), "q must be numbers"),
+        ("ab", np.zeros((2, 4)), "times must be numbers"),
     ],
 )
 def test_bad_motions_are_refused(times, q, message):

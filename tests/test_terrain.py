@@ -113,6 +113,11 @@ def test_a_heap_has_the_volume_of_its_cone():
     assert terrain.volume == pytest.approx(pi * 4 / 3, rel=1e-3)
 
 
+def test_a_cell_of_any_type_of_number_is_kept_as_a_float():
+    terrain = Terrain(np.zeros((3, 3)), np.float32(0.25))
+    assert type(terrain.cell) is float and terrain.cell == 0.25
+
+
 def test_a_bed_has_its_inside_measures():
     bed = Terrain.bed((0.8, 5.3), 4.4, 2.3, floor=1.1, wall=1.9)
     x, y = bed.grid()
@@ -160,6 +165,9 @@ def test_a_snapshot_brings_back_heights_and_what_is_still_sliding():
         (lambda: Terrain(np.zeros(5), 0.1), "2 by 2"),
         (lambda: Terrain(np.zeros((1, 5)), 0.1), "2 by 2"),
         (lambda: Terrain(np.full((3, 3), np.nan), 0.1), "heights must be finite"),
+        (lambda: Terrain(np.zeros((3, 3)) + 1j, 0.1), "heights must be numbers"),
+        (lambda: Terrain("hilly", 0.1), "heights must be numbers"),
+        (lambda: Terrain(np.zeros((3, 3)), 0.1, "ab"), "origin must be two numbers"),
         (lambda: Terrain(np.zeros((3, 3)), 0.0), "cell must be a positive"),
         (lambda: Terrain(np.zeros((3, 3)), float("nan")), "cell must be a positive"),
         (lambda: Terrain(np.zeros((3, 3)), 0.1, (0, np.inf)), "origin must be"),

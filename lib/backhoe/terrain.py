@@ -7,9 +7,12 @@ soil's surface at x = origin_x + j cell, y = origin_y + i cell, and fills a colu
 from __future__ import annotations
 
 from math import isfinite, pi, tan
+from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from backhoe.reals import real_array
 
 __all__ = ["Terrain"]
 
@@ -42,10 +45,10 @@ class Terrain:
         floor: ArrayLike | None = None,
     ) -> None:
         self.heights = _surface("heights", heights)
-        if isinstance(cell, bool) or not isinstance(cell, (int, float)) or not 0 < cell < np.inf:
+        if isinstance(cell, bool) or not isinstance(cell, Real) or not 0 < cell < np.inf:
             raise ValueError(f"cell must be a positive length in m, got {cell!r}")
         self.cell = float(cell)
-        corner = np.asarray(origin, dtype=float)
+        corner = real_array(origin, "origin must be two numbers (x, y)")
         if corner.shape != (2,) or not np.isfinite(corner).all():
             raise ValueError(f"origin must be a finite (x, y), got {origin!r}")
         self.origin = (float(corner[0]), float(corner[1]))
@@ -293,7 +296,7 @@ class Terrain:
 
 
 def _surface(name: str, values: ArrayLike) -> NDArray:
-    surface = np.array(values, dtype=float, order="C")
+    surface = np.array(real_array(values, f"{name} must be numbers"), order="C")
     if surface.ndim != 2 or min(surface.shape) < 2:
         raise ValueError(f"{name} must be (ny, nx) with at least 2 by 2 cells, got {surface.shape}")
     if not np.isfinite(surface).all():

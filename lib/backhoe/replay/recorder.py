@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import BACKHOE, Machine
+from backhoe.reals import real_array
 from backhoe.replay import stage
 from backhoe.replay.page import Replay
 from backhoe.replay.recording import HeightField, Line, Recording, Scalar
@@ -171,13 +172,14 @@ def from_joints(
         ValueError: no frame, times that do not rise, shapes that do not agree, values that are not
             finite, or an empty title or alt.
     """
-    times, q = np.asarray(times, dtype=float), np.asarray(q, dtype=float)
+    times, q = real_array(times, "times must be numbers"), real_array(q, "q must be numbers")
     if q.shape != (times.size, 4):
         raise ValueError(
             f"q must have shape ({times.size}, 4), a row of swing, boom, stick, bucket for each "
             f"time, got {q.shape}"
         )
-    poses = np.zeros((times.size, 3)) if poses is None else np.asarray(poses, dtype=float)
+    standing = np.zeros((times.size, 3))
+    poses = standing if poses is None else real_array(poses, "poses must be numbers")
     if poses.shape != (times.size, 3):
         raise ValueError(
             f"poses must have shape ({times.size}, 3), a row of x, y, yaw for each time, "

@@ -14,6 +14,8 @@ import pytest
 
 from backhoe import exercises, machine
 from backhoe.check import Check, Exercise, Mistake, guard
+from backhoe.check.answers import ask, prepare
+from backhoe.check.diagnosis import diagnose
 
 
 def turn(q):
@@ -393,6 +395,20 @@ class TestForms:
             return buffer
 
         assert said("9.1", reuses).startswith("right")
+
+
+def test_a_constant_is_not_taken_for_an_answer_in_degrees():
+    def whole_turns(angle):
+        return float(np.ceil(angle / 100))
+
+    exercise = Exercise(
+        number="9.50",
+        title="Turns",
+        reference=whole_turns,
+        cases=lambda rng: [(angle,) for angle in rng.uniform(150, 2000, 10)],
+    )
+    trial = ask(lambda angle: 1.0, prepare(exercise))
+    assert diagnose(trial) == "it returns the same for every input"
 
 
 class TestErrors:

@@ -250,6 +250,9 @@ def test_a_bad_step_says_what_is_wrong_and_changes_nothing(world, torque, belts,
 @pytest.mark.parametrize(
     "bad, error, message",
     [
+        ({"machine": "pybullet"}, TypeError, "machine must be a Machine, got 'pybullet'"),
+        ({"scene": "x"}, TypeError, "scene must be a Scene, got 'x'"),
+        ({"seed": None}, ValueError, "seed must be a whole number, 0 or more, got None"),
         ({"backend": "gazebo"}, ValueError, "unknown backend 'gazebo'.*auto, pybullet, analytic"),
         ({"base": "wheels"}, ValueError, '"tracks" or "fixed", got .wheels.'),
         ({"q": [0.0, 1.0]}, ValueError, "4 joints"),

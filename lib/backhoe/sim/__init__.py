@@ -68,7 +68,8 @@ def open_world(
         The simulation; `protocol.Simulation` lists what it offers.
 
     Raises:
-        ValueError: an unknown backend or base, q not 4 finite angles.
+        TypeError: machine or scene is something else.
+        ValueError: an unknown backend or base, q not 4 finite angles, seed not a whole number.
         ImportError: PyBullet is asked for and not installed.
     """
     if backend not in BACKENDS:

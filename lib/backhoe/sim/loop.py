@@ -33,7 +33,7 @@ STANDING = (0.0, 0.0)
 _STILL = np.zeros(2)
 
 RUNAWAY = 50.0
-"""A rate of the machine that no controller gives on purpose [rad/s or m/s]."""
+"""A rate far beyond what any machine of this kind survives [rad/s or m/s]."""
 
 REST = np.radians([-90.0, 30.0, -30.0, 0.0])
 """Joint angles at the start [rad]: arm forward, folded, clear of the ground."""
@@ -65,7 +65,9 @@ class Loop:
         friction: whether the joints have the machine's viscous and Coulomb friction.
 
     Raises:
-        ValueError: q is not 4 finite angles, or base is neither of the two.
+        TypeError: machine or scene is something else.
+        ValueError: q is not 4 finite angles, seed is not a whole number of 0 or more, or base is
+            neither of the two.
     """
 
     backend = "none"
@@ -81,6 +83,11 @@ class Loop:
         base: str = "tracks",
         friction: bool = True,
     ) -> None:
+        for name, value, kind in (("machine", machine, Machine), ("scene", scene, Scene)):
+            if not isinstance(value, kind):
+                raise TypeError(f"{name} must be a {kind.__name__}, got {value!r}")
+        if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+            raise ValueError(f"seed must be a whole number, 0 or more, got {seed!r}")
         if base not in ("tracks", "fixed"):
             raise ValueError(f'base must be "tracks" or "fixed", got {base!r}')
         self.machine, self.scene, self.seed, self.base = machine, scene, seed, base
@@ -320,8 +327,8 @@ class Loop:
     def _run_away(self) -> None:
         raise RuntimeError(
             f"the machine ran away at t = {self.time:.3f} s with rates {self._dq.round(1)}: the "
-            "controller drives it apart (a wrong sign, or a damping gain above twice the joint's "
-            "inertia over the step); call reset() before going on"
+            "torques drive it apart (in a controller: a wrong sign, or a damping gain above twice "
+            "the joint's inertia over the step); call reset() before going on"
         )
 
     def _check_open(self) -> None:

@@ -63,12 +63,11 @@ class PID:
                 f"torque_limit must be positive, one for each of {len(self.kp)} joints, "
                 f"got {torque_limit}"
             )
-        self._lower = -self.torque_limit
         self.reset()
 
     def reset(self) -> None:
         """Forget the integral of the error."""
-        self.integral = np.zeros_like(self.kp)
+        self.integral = [0.0] * len(self.kp)
 
     def __call__(
         self, q_ref: NDArray, dq_ref: NDArray, q: NDArray, dq: NDArray, dt: float
@@ -83,12 +82,14 @@ class PID:
         Returns:
             Joint torques, shape (n,) [N m], within the torque limit.
         """
-        error = q_ref - q
-        integral = self.integral + error * dt
-        wanted = self.kp * error + self.kd * (dq_ref - dq) + self.ki * integral
-        torque = np.minimum(np.maximum(wanted, self._lower), self.torque_limit)
-        limited = wanted != torque
-        if any(limited.tolist()):
-            integral = np.where(limited & (wanted * error > 0), self.integral, integral)
-        self.integral = integral
-        return torque
+        joints = self.kp, self.ki, self.kd, self.torque_limit, q_ref - q, dq_ref - dq
+        columns = zip(*(values.tolist() for values in joints), strict=True)
+        torque = []
+        for joint, (kp, ki, kd, limit, error, rate) in enumerate(columns):
+            integral = self.integral[joint] + error * dt
+            wanted = kp * error + ki * integral + kd * rate
+            given = min(max(wanted, -limit), limit)
+            if given == wanted or wanted * error <= 0:
+                self.integral[joint] = integral
+            torque.append(given)
+        return np.array(torque)

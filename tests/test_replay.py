@@ -450,7 +450,7 @@ def test_broken_heights_are_refused():
         field.append(np.zeros((2, 3)))
     with pytest.raises(ValueError, match="must be finite"):
         field.append(np.full((3, 3), np.nan))
-    with pytest.raises(ValueError, match="within 65 m"):
+    with pytest.raises(ValueError, match="within 98 m"):
         field.append(np.full((3, 3), 100.0))
     with pytest.raises(ValueError, match=r"must be \(ny, nx\)"):
         HeightField("ground", np.zeros(3), 0.1, (0, 0))

@@ -23,7 +23,7 @@ __all__ = [
     "Scalar",
 ]
 
-HEIGHT_STEP = 2e-3  # m, what heights are rounded to
+HEIGHT_STEP = 3e-3  # m, what heights are rounded to
 MOTIONS = {"fixed": 0, "revolute": 1, "planar": 3, "free": 7}  # values a frame
 
 
@@ -103,7 +103,8 @@ class HeightField:
             raise ValueError(f"heights of {self.name!r} must be finite [m]")
         steps = np.rint(heights / HEIGHT_STEP)
         if np.abs(steps).max(initial=0) > 32767:
-            raise ValueError(f"heights of {self.name!r} must stay within 65 m of zero")
+            most = round(32767 * HEIGHT_STEP)
+            raise ValueError(f"heights of {self.name!r} must stay within {most} m of zero")
         return steps.astype(np.int32)
 
     def append(self, heights: ArrayLike) -> None:

@@ -159,7 +159,9 @@ class Tracks:
     """Undercarriage: two tracks `gauge` apart [m], each `length` x `shoe_width` on the ground [m].
 
     `mass` [kg] of the undercarriage alone, `max_speed` [m/s] and `acceleration` [m/s^2] of the
-    belts, Coulomb friction coefficients of track on soil along and across the belt.
+    belts, Coulomb friction coefficients of track on soil along and across the belt. Driven by a
+    force, one belt is a `belt_mass` [kg], equivalent to chain, sprocket and drive together; its
+    drive gives at most `max_traction` [N], and `rolling_resistance` is over the weight.
 
     Raises:
         ValueError: a value is not finite and positive.
@@ -175,6 +177,9 @@ class Tracks:
     mass: float
     friction_longitudinal: float
     friction_lateral: float
+    belt_mass: float
+    rolling_resistance: float
+    max_traction: float
 
     def __post_init__(self) -> None:
         _require(self, tuple(field.name for field in fields(self)))
@@ -368,6 +373,9 @@ BACKHOE = Machine(
         mass=4500.0,
         friction_longitudinal=0.8,
         friction_lateral=0.6,
+        belt_mass=1000.0,
+        rolling_resistance=0.06,
+        max_traction=70e3,
     ),
     shell=Shell(
         width=1.2,

@@ -40,6 +40,9 @@ def parameters(machine: Machine, friction: bool) -> NDArray:
         "belt_acceleration": track.acceleration,
         "along": track.friction_longitudinal,
         "across": track.friction_lateral,
+        "rolling": track.rolling_resistance,
+        "belt_mass": track.belt_mass,
+        "max_traction": track.max_traction,
     }
     for name, link in (("boom", boom), ("stick", stick), ("bucket", bucket)):
         scalars |= {
@@ -85,6 +88,7 @@ def push(
     patches,
     sheared,
     belts,
+    pull,
     applied,
     out,
 ):
@@ -99,6 +103,7 @@ def push(
         parameters: from `parameters`.
         patches: from `tracks.patch_positions`.
         sheared, belts: state of the tracks, brought forward in place.
+        pull: forward force of the ground on the left and right track, shape (2,) [N], filled in.
         applied: the joint torques within the actuators' limits, shape (4,), filled in.
         out: the forces, shape (7,) [N, N, N m, ...], filled in.
 
@@ -110,18 +115,51 @@ def push(
     p = parameters[0]
     _joint_torques(q, dq, torque, p, applied, out)
     _tip_force(q, soil, p, out)
-    mass = p.machine_mass + p.payload
     tracks.run_belts(belts, belt_command, p.belt_speed, p.belt_acceleration, dt)
+    _ground_force(q, dq, soil, dt, p, patches, sheared, belts, pull, out)
+    return True
 
+
+@njit(cache=True)
+def drive(
+    q, dq, torque, traction, soil, dt, parameters, patches, sheared, belts, pull, applied, out
+):
+    """Forces along the seven coordinates over one step in which forces drive the belts.
+
+    Args:
+        traction: wanted force of the left and right drive, shape (2,) [N]; replaced by what the
+            drives give.
+        The others as for `push`.
+
+    Returns:
+        False, with nothing changed, if a torque or traction is not finite.
+    """
+    if not (np.isfinite(torque).all() and np.isfinite(traction).all()):
+        return False
+    p = parameters[0]
+    _joint_torques(q, dq, torque, p, applied, out)
+    _tip_force(q, soil, p, out)
+    weight = _ground_force(q, dq, soil, dt, p, patches, sheared, belts, pull, out)
+    tracks.drive_belts(
+        belts, traction, pull, weight, p.rolling, p.belt_mass, p.max_traction, p.belt_speed, dt
+    )
+    return True
+
+
+@njit(cache=True)
+def _ground_force(q, dq, soil, dt, p, patches, sheared, belts, pull, out):
+    """Force of the ground on the tracks, into out[:3]; returns the weight on the tracks [N]."""
+    mass = p.machine_mass + p.payload
+    weight = mass * p.gravity - soil[2]
     cos_yaw, sin_yaw = np.cos(q[2]), np.sin(q[2])
     velocity = dq[0] * cos_yaw + dq[1] * sin_yaw, dq[1] * cos_yaw - dq[0] * sin_yaw
-    along, across, moment = tracks.friction(
-        patches, mass * p.gravity - soil[2], belts, velocity, dq[2], p.along, p.across, dt, sheared
+    along, across, moment = tracks.shear(
+        patches, weight, belts, velocity, dq[2], p.along, p.across, dt, sheared, pull
     )
     out[0] += along * cos_yaw - across * sin_yaw
     out[1] += along * sin_yaw + across * cos_yaw
     out[2] += moment
-    return True
+    return weight
 
 
 @njit(cache=True)

@@ -8,18 +8,15 @@ from __future__ import annotations
 
 import weakref
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.kinematics import joint_vector
 from backhoe.machine import BACKHOE, Machine
+from backhoe.reals import real_array
 from backhoe.sim import forces, tracks
-from backhoe.sim.scene import LOADING, Scene
-
-if TYPE_CHECKING:
-    from backhoe.soil import Ground
+from backhoe.sim.scene import LOADING, Scene, untouched_ground
 
 STEP = 0.001
 """Length of one step [s]."""
@@ -31,6 +28,7 @@ STANDING = (0.0, 0.0)
 """Belt speeds of a machine that stands [m/s]."""
 
 _STILL = np.zeros(2)
+_TRACTION = "traction must be 2 forces (left, right) [N]"
 
 RUNAWAY = 50.0
 """A rate far beyond what any machine of this kind survives [rad/s or m/s]."""
@@ -125,6 +123,10 @@ class Loop:
         return self._belts.copy()
 
     @property
+    def traction(self) -> NDArray:
+        return self._traction.copy()
+
+    @property
     def torque(self) -> NDArray:
         return self._applied.copy()
 
@@ -132,27 +134,40 @@ class Loop:
     def soil_force(self) -> NDArray:
         return self._soil[:3].copy()
 
-    def step(self, torque: ArrayLike, belts: ArrayLike = STANDING) -> None:
+    def step(
+        self,
+        torque: ArrayLike,
+        belts: ArrayLike = STANDING,
+        *,
+        traction: ArrayLike | None = None,
+    ) -> None:
         """Advance by one step of 1 ms.
 
         Torques beyond the machine's limits are cut as its actuators would; `torque` says what was
-        applied. Belts follow their command within the machine's speed and acceleration. At the
-        ends of the joints' range elastic stops push back.
+        applied. Belts follow their command within the machine's speed and acceleration; or, given
+        `traction`, they run as the forces on them make them run, and the property `traction` says
+        what the drives gave. At the ends of the joints' range elastic stops push back.
 
         Args:
             torque: wanted joint torques, shape (4,) [N m].
             belts: wanted speed of the left and right belt, shape (2,) [m/s].
+            traction: wanted driving force of the left and right track, shape (2,) [N]; instead of
+                `belts`.
 
         Raises:
-            ValueError: a wrong shape, or a value that is not finite.
+            ValueError: a wrong shape, a value that is not finite, belts and traction at once, or
+                traction with a fixed base.
             RuntimeError: the simulation is closed, or the machine ran away.
         """
         if self._closed:
             self._refuse()
         torque = np.asarray(torque, dtype=float)
-        belts = _STILL if belts is STANDING else np.asarray(belts, dtype=float)
-        if torque.shape != (4,) or belts.shape != (2,) or not self._push(torque, belts):
-            _complain(torque, belts)
+        if traction is not None:
+            self._drive(torque, belts, real_array(traction, _TRACTION).copy())
+        else:
+            belts = _STILL if belts is STANDING else np.asarray(belts, dtype=float)
+            if torque.shape != (4,) or belts.shape != (2,) or not self._push(torque, belts):
+                _complain(torque, belts, "belts", "speeds", "m/s")
         self._integrate(self._forces)
         self._ticks += 1
         if self._ticks % TICKS_PER_DIG == 0 and not np.abs(self._dq).max() < RUNAWAY:
@@ -183,9 +198,14 @@ class Loop:
         self._ticks = 0
         self._applied, self._forces = np.zeros(4), np.zeros(7)
         self._soil, self._in_soil = np.zeros(4), False
-        self._belts = np.zeros(2)
+        self._belts, self._traction, self._pull = np.zeros(2), np.zeros(2), np.zeros(2)
+        self._driven = False
         self._sheared = np.zeros_like(self._patches)
-        self.ground = _ground(self.machine, self.scene, self.seed) if self._soil_wanted else None
+        self.ground = (
+            untouched_ground(self.scene, self.machine, self.seed, STEP)
+            if self._soil_wanted
+            else None
+        )
         self._load(0.0)
         self._place(np.concatenate([pose, q]), np.zeros(7))
 
@@ -219,7 +239,7 @@ class Loop:
             array[:] = saved
         if self.ground is not None:
             self.ground.restore(snapshot.ground)
-        self._in_soil = snapshot.in_soil
+        self._in_soil, self._driven = snapshot.in_soil, True
         self._load(snapshot.payload)
         self._engine_restore(snapshot.engine)
 
@@ -282,10 +302,13 @@ class Loop:
             self._applied,
             self._soil,
             self._belts,
+            self._traction,
             self._sheared,
         )
 
     def _push(self, torque: NDArray, belts: NDArray) -> bool:
+        if self._driven:
+            self._traction, self._driven = np.zeros(2), False
         return forces.push(
             self._q,
             self._dq,
@@ -297,9 +320,37 @@ class Loop:
             self._patches,
             self._sheared,
             self._belts,
+            self._pull,
             self._applied,
             self._forces,
         )
+
+    def _drive(self, torque: NDArray, belts: ArrayLike, traction: NDArray) -> None:
+        if belts is not STANDING:
+            raise ValueError("give belts (speeds) or traction (forces), not both")
+        if self.base == "fixed":
+            raise ValueError("a fixed base cannot be driven: open the world with tracks")
+        if (
+            torque.shape != (4,)
+            or traction.shape != (2,)
+            or not forces.drive(
+                self._q,
+                self._dq,
+                torque,
+                traction,
+                self._soil,
+                self.dt,
+                self._parameters,
+                self._patches,
+                self._sheared,
+                self._belts,
+                self._pull,
+                self._applied,
+                self._forces,
+            )
+        ):
+            _complain(torque, traction, "traction", "forces", "N")
+        self._traction, self._driven = traction, True
 
     def _dig(self) -> None:
         """Let the soil move on at 100 Hz and, in it, feel it at 1 kHz."""
@@ -346,28 +397,11 @@ def _start(q: ArrayLike | None) -> NDArray:
     return start
 
 
-def _complain(torque: NDArray, belts: NDArray) -> None:
+def _complain(torque: NDArray, pair: NDArray, name: str, what: str, unit: str) -> None:
     if torque.shape != (4,):
         raise ValueError(
             f"torque must be 4 numbers (swing, boom, stick, bucket) [N m], got shape {torque.shape}"
         )
-    if belts.shape != (2,):
-        raise ValueError(f"belts must be 2 speeds (left, right) [m/s], got shape {belts.shape}")
-    raise ValueError(f"torque and belts must be finite, got {torque} N m and {belts} m/s")
-
-
-def _ground(machine: Machine, scene: Scene, seed: int) -> Ground:
-    from backhoe.soil import Ground, Terrain
-
-    terrain = Terrain(scene.heights(seed), scene.cell, scene.corner)
-    truck, bed = scene.truck, None
-    if truck is not None:
-        bed = Terrain.bed(
-            (truck.x, truck.y),
-            truck.bed_length,
-            truck.bed_width,
-            truck.floor,
-            truck.wall,
-            scene.cell,
-        )
-    return Ground(terrain, bed, machine=machine, hold=STEP)
+    if pair.shape != (2,):
+        raise ValueError(f"{name} must be 2 {what} (left, right) [{unit}], got shape {pair.shape}")
+    raise ValueError(f"torque and {name} must be finite, got {torque} N m and {pair} {unit}")

@@ -47,6 +47,10 @@ class Simulation(Protocol):
         """Speed of the left and right belt, shape (2,) [m/s]."""
 
     @property
+    def traction(self) -> NDArray:
+        """Forces that the drives gave the tracks in the last step, left and right, (2,) [N]."""
+
+    @property
     def torque(self) -> NDArray:
         """Joint torques that the actuators gave in the last step, shape (4,) [N m]."""
 
@@ -54,8 +58,17 @@ class Simulation(Protocol):
     def soil_force(self) -> NDArray:
         """Force of the soil on the bucket's tip in the last step, world frame, shape (3,) [N]."""
 
-    def step(self, torque: ArrayLike, belts: ArrayLike = (0.0, 0.0)) -> None:
-        """Advance by one `dt` with wanted joint torques [N m] and belt speeds left, right [m/s]."""
+    def step(
+        self,
+        torque: ArrayLike,
+        belts: ArrayLike = (0.0, 0.0),
+        *,
+        traction: ArrayLike | None = None,
+    ) -> None:
+        """Advance by one `dt` with wanted joint torques [N m] and belt speeds left, right [m/s].
+
+        Instead of belt speeds, `traction` gives the driving forces left, right [N].
+        """
 
     def reset(self, q: ArrayLike | None = None, pose: ArrayLike | None = None) -> None:
         """Start again at time 0, at rest, on untouched ground."""

@@ -8,11 +8,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FLAT", "LOADING", "Heap", "Scene", "Truck"]
+from backhoe.machine import Machine
+
+if TYPE_CHECKING:
+    from backhoe.soil import Ground
+
+__all__ = ["FLAT", "LOADING", "Heap", "Scene", "Truck", "untouched_ground"]
 
 ROUGHNESS = 0.03
 """Height of the bumps on a heap [m]; they come from the seed."""
@@ -98,6 +104,31 @@ class Scene:
             covered = np.minimum(ground / ground.max() * 4, 1.0)
             ground += covered * _bumps(x, y, np.random.default_rng(seed))
         return ground
+
+
+def untouched_ground(scene: Scene, machine: Machine, seed: int, hold: float) -> Ground:
+    """The soil of a scene before anyone dug in it.
+
+    Args:
+        scene: what stands around the machine.
+        machine: whose bucket digs.
+        seed: of the bumps on the heaps.
+        hold: time over which the bucket feels one force of the soil [s].
+    """
+    from backhoe.soil import Ground, Terrain
+
+    terrain = Terrain(scene.heights(seed), scene.cell, scene.corner)
+    truck, bed = scene.truck, None
+    if truck is not None:
+        bed = Terrain.bed(
+            (truck.x, truck.y),
+            truck.bed_length,
+            truck.bed_width,
+            truck.floor,
+            truck.wall,
+            scene.cell,
+        )
+    return Ground(terrain, bed, machine=machine, hold=hold)
 
 
 def _bumps(x: NDArray, y: NDArray, rng: np.random.Generator) -> NDArray:

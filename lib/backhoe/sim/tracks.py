@@ -4,8 +4,10 @@ Each track rests on a row of patches. A patch's soil shears like a spring with t
 and ground until, after `SHEAR` of slip, the friction of the patch is used up and it slides. So the
 machine stands still under the push of the bucket and does not creep, and it slips when it turns. As
 the belt runs, sheared soil is left behind at one end and fresh soil comes under the other.
-The patches share the weight equally: by its printed masses the machine stands on the front of its
-tracks when the arm is stretched, and two patches that carry all would turn almost without slip.
+A belt runs at a given speed (`run_belts`), or as a mass between drive, rolling resistance and
+ground (`drive_belts`). The patches share the weight equally: by its printed masses the machine
+stands on the front of its tracks when the arm is stretched, and two patches that carry all would
+turn almost without slip.
 Lengths in m, speeds in m/s, forces in N; vehicle frame (x forward, y left).
 """
 
@@ -24,6 +26,12 @@ SHEAR = 0.005
 
 RELAXATION = 0.02
 """Damping of the sheared soil as a time [s]: our choice, the machine stops rocking in one swing."""
+
+ROLLING_SMOOTHING = 0.02
+"""Belt speed below which rolling resistance passes smoothly through zero [m/s]."""
+
+FADING = 0.1
+"""Share of the belts' largest speed over which the drive fades out: our choice."""
 
 
 def patch_positions(machine: Machine) -> NDArray:
@@ -44,8 +52,45 @@ def run_belts(belts, command, max_speed, acceleration, dt):
 
 
 @njit(cache=True)
+def drive_belts(belts, traction, pull, weight, rolling, belt_mass, max_traction, max_speed, dt):
+    """Let the belts' speeds (2,) move under the forces on them over one step, in place.
+
+    A belt is driven at its sprocket, pushed back by the ground and held back by rolling resistance,
+    which passes smoothly through zero at `ROLLING_SMOOTHING`. The drive gives at most
+    `max_traction`, and fades out over the last `FADING` of the belt's largest speed.
+
+    Args:
+        belts: speeds of the left and right belt, shape (2,) [m/s]; brought forward in place.
+        traction: wanted driving forces, shape (2,) [N]; replaced by what the drives give.
+        pull: forward force of the ground on each track, shape (2,) [N].
+        weight: that presses the tracks on the ground [N]; negative counts as none.
+        rolling: rolling resistance over weight.
+        belt_mass: equivalent mass of one belt [kg].
+        max_traction: largest driving force of a track [N].
+        max_speed: of a belt [m/s].
+        dt: step [s].
+    """
+    resistance = rolling * max(weight, 0.0) / 2
+    for side in range(2):
+        speed = belts[side]
+        given = min(max(traction[side], -max_traction), max_traction)
+        if given * speed > 0.0:
+            given *= min(max((1.0 - abs(speed) / max_speed) / FADING, 0.0), 1.0)
+        traction[side] = given
+        held = resistance * np.tanh(speed / ROLLING_SMOOTHING)
+        belts[side] += dt / belt_mass * (given - held - pull[side])
+
+
+@njit(cache=True)
 def friction(patches, weight, belts, velocity, yaw_rate, along, across, dt, sheared):
-    """Force and yaw moment of the ground on the tracks, over one step.
+    """Force and yaw moment of the ground on the tracks, over one step; arguments as `shear`."""
+    pull = np.empty(2)
+    return shear(patches, weight, belts, velocity, yaw_rate, along, across, dt, sheared, pull)
+
+
+@njit(cache=True)
+def shear(patches, weight, belts, velocity, yaw_rate, along, across, dt, sheared, pull):
+    """Force and yaw moment of the ground on the tracks, over one step, and its part on each belt.
 
     Args:
         patches: positions, shape (n, 2), left track first [m].
@@ -56,6 +101,7 @@ def friction(patches, weight, belts, velocity, yaw_rate, along, across, dt, shea
         along, across: friction coefficients along and across the belts.
         dt: step [s].
         sheared: shear of each patch in units of `SHEAR`, shape (n, 2); brought forward in place.
+        pull: forward force of the ground on the left and right track, shape (2,) [N], filled in.
 
     Returns:
         Force along x and y [N] and moment about z [N m], in the vehicle frame.
@@ -65,6 +111,7 @@ def friction(patches, weight, belts, velocity, yaw_rate, along, across, dt, shea
     load = max(weight, 0.0) / n
     force_x, force_y, moment = 0.0, 0.0, 0.0
     for side in range(2):
+        pull[side] = 0.0
         _move_on(sheared, side * row, row, belts[side] * dt / (patches[1, 0] - patches[0, 0]))
         for i in range(side * row, (side + 1) * row):
             x, y = patches[i, 0], patches[i, 1]
@@ -81,6 +128,7 @@ def friction(patches, weight, belts, velocity, yaw_rate, along, across, dt, shea
             fy = -across * load * pull_y / over
             force_x += fx
             force_y += fy
+            pull[side] += fx
             moment += x * fy - y * fx
     return force_x, force_y, moment
 

@@ -154,7 +154,7 @@ def compare(
 
 
 def badness(field: str, values: NDArray) -> NDArray:
-    """How far values of a metric are from the ideal: |d_ratio - 1|, |lag|, the value itself else."""
+    """How far values of a metric are from the ideal: |d_ratio - 1|, |lag|, else the value."""
     if field == "d_ratio":
         return np.abs(values - 1)
     return np.abs(values)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.tracking.follow import Follow
-from backhoe.tracking.polyline import distances, length, points_array
+from backhoe.tracking.polyline import distances, length
 
 __all__ = ["Assessment", "Metrics", "assess", "metrics", "time_lag"]
 

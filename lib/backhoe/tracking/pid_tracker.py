@@ -90,7 +90,8 @@ class PIDTracker:
             self._loops, self._dt = self._build(dt), dt
         elif dt != self._dt:
             raise ValueError(
-                f"the sample time changed from {self._dt} s to {dt} s: call reset() before a new run"
+                f"the sample time changed from {self._dt} s to {dt} s: "
+                "call reset() before a new run"
             )
         if goal.waypoint != self._waypoint:
             if self.reset_at_waypoints:

@@ -19,7 +19,7 @@ __all__ = ["PoseErrors", "errors_in_floats", "pose_errors", "wrap"]
 
 
 class PoseErrors(NamedTuple):
-    """rho, the distance [m]; dy, to the left of the vehicle's axis [m]; alpha, in [-pi, pi] [rad]."""
+    """rho, the distance [m]; dy, to the left of the vehicle's axis [m]; alpha, wrapped [rad]."""
 
     rho: float
     dy: float
@@ -62,7 +62,7 @@ def pose_errors(
 def errors_in_floats(
     dx: float, dy: float, theta: float, onward_x: float, onward_y: float
 ) -> PoseErrors:
-    """`pose_errors` of the way (dx, dy) to the way-point and (onward_x, onward_y) from there [m]."""
+    """`pose_errors` of the ways to the way-point and onward from there, in floats [m]."""
     rho = hypot(dx, dy)
     beta = atan2(dy, dx) - theta
     if onward_x == 0.0 and onward_y == 0.0:

@@ -28,7 +28,8 @@ class PurePursuit:
     """Pure pursuit. It remembers how far along the path it has come.
 
     The nearest point is looked for from there to `window` ahead: at a crossing the vehicle goes
-    straight on, and the end of a closed path is not taken for its start.
+    straight on, and the end of a closed path is not taken for its start. In path mode it is not
+    looked for beyond the current way-point, so that none is left out.
 
     Args:
         lookahead: L [m]. Short follows closely and swings, long cuts corners.
@@ -67,7 +68,7 @@ class PurePursuit:
         now = situation(pose, twist, goal)
         if goal.path is not self._path:
             self._start(goal.path)
-        self._advance(now.x, now.y)
+        self._advance(now.x, now.y, goal.waypoint)
         if self._progress >= self._arc[-1] and self._passed(now.x, now.y):
             return 0.0, 0.0
         x, y = self._target(now.x, now.y)
@@ -86,9 +87,11 @@ class PurePursuit:
         self._segments = np.column_stack([points[:-1], units, lengths]).tolist()
         self._last = next(row for row in reversed(self._segments) if row[4] > 0)
 
-    def _advance(self, x: float, y: float) -> None:
+    def _advance(self, x: float, y: float, waypoint: int | None) -> None:
         """Move on to the nearest point within the window; where two are as near, to the first."""
         limit, nearest = self._progress + self.window, np.inf
+        if waypoint is not None:
+            limit = max(min(limit, self._arc[waypoint]), self._progress)
         for i in range(self._segment, len(self._segments)):
             if self._arc[i] > limit:
                 break

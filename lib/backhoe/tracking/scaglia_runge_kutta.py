@@ -79,7 +79,7 @@ class ScagliaRungeKutta:
 def speed_modes(
     kv: float, weight: float = 0.5, *, motion: str = "held", lag: float = 0.0
 ) -> NDArray:
-    """Eigenvalues of the tracker's speed and lag along a straight trajectory, from sample to sample.
+    """Eigenvalues, from sample to sample, of speed and lag along a straight trajectory.
 
     The state is (e, V T0), with e how far the vehicle is behind. The tracker gives
     U T0 = k_v/w (e + L) - (1 - w)/w V T0, L the way of one sample.

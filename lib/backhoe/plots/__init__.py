@@ -15,6 +15,7 @@ from backhoe.plots.dynamics import (
 from backhoe.plots.interactive import sliders
 from backhoe.plots.reach import reachable, singularities, velocity_ellipses, workspace
 from backhoe.plots.run import joint_tracking, soil
+from backhoe.plots.skid_steer import contacts, friction_laws, paths, stacked
 from backhoe.plots.style import COLOURS, KINDS, draw_lines, figure, lines, png, show, styled
 from backhoe.plots.tracks import turn
 from backhoe.plots.way import STAGES, data_way
@@ -25,17 +26,20 @@ __all__ = [
     "STAGES",
     "arm",
     "candidates",
+    "contacts",
     "data_way",
     "draw_lines",
     "elbows",
     "falls",
     "figure",
     "frames",
+    "friction_laws",
     "gravity_map",
     "holding",
     "joint_tracking",
     "least_eigenvalue",
     "lines",
+    "paths",
     "png",
     "posture",
     "reachable",
@@ -43,6 +47,7 @@ __all__ = [
     "singularities",
     "sliders",
     "soil",
+    "stacked",
     "styled",
     "turn",
     "velocity_ellipses",

@@ -63,8 +63,8 @@ def square(
 def figure_eight(radius: float = 1.5, *, points: int = 120, centre: ArrayLike = (0.0, 0.0)) -> Path:
     """A closed figure of eight: Gerono's lemniscate x = R sin t, y = R sin t cos t.
 
-    It starts at the crossing in the centre, at 45 degrees, with the right-hand loop; its tightest
-    curve, at x = R and x = -R, has radius R.
+    It starts at the crossing in the centre, at 45 degrees, with the right-hand loop, clockwise;
+    its tightest curve, at x = R and x = -R, has radius R.
 
     Args:
         radius: R, half its length along x and the radius of the tightest curve [m].

@@ -17,6 +17,7 @@ from backhoe.plots.reach import reachable, singularities, velocity_ellipses, wor
 from backhoe.plots.run import joint_tracking, soil
 from backhoe.plots.skid_steer import contacts, friction_laws, paths, stacked
 from backhoe.plots.style import COLOURS, KINDS, draw_lines, figure, lines, png, show, styled
+from backhoe.plots.tracking import from_above, nearest, pose_errors, pursuit, radar
 from backhoe.plots.tracks import turn
 from backhoe.plots.way import STAGES, data_way
 
@@ -34,14 +35,19 @@ __all__ = [
     "figure",
     "frames",
     "friction_laws",
+    "from_above",
     "gravity_map",
     "holding",
     "joint_tracking",
     "least_eigenvalue",
     "lines",
+    "nearest",
     "paths",
     "png",
+    "pose_errors",
     "posture",
+    "pursuit",
+    "radar",
     "reachable",
     "show",
     "singularities",

@@ -20,6 +20,7 @@ LESSONS = {
     "1": "kinematics",
     "2": "dynamics",
     "4": "skid_steer",
+    "5": "path_tracking",
 }
 
 

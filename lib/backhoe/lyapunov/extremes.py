@@ -24,8 +24,8 @@ from backhoe.dynamics import mass_matrix, mass_matrix_derivative
 from backhoe.dynamics.postures import evaluate
 from backhoe.dynamics.terms import Arm, Vectors
 from backhoe.kinematics import joint_vector
-from backhoe.lyapunov.bilinear import bilinear_norm, bilinear_value, unfolded_bound
-from backhoe.lyapunov.suprema import Domain, Peak, climb, domain_of, peaks, supremum
+from backhoe.lyapunov.bilinear import bilinear_norm
+from backhoe.lyapunov.suprema import Domain, domain_of, largest_norm, supremum
 from backhoe.machine import BACKHOE, Machine
 from backhoe.tiles import for_each_tile
 
@@ -228,7 +228,7 @@ def _of_domain(name: str, machine: Machine) -> Constants:
 def _over(domain: Domain, machine: Machine) -> Constants:
     found = {
         "kg": supremum(lambda q: _spectral(q, machine), domain),
-        "kc1": _largest_norm(domain, machine),
+        "kc1": largest_norm(lambda q: christoffel(q, machine=machine), domain),
         "lambda_min": supremum(lambda q: 1 / _eigenvalues(q, machine)[:, 0], domain),
         "lambda_max": supremum(lambda q: _eigenvalues(q, machine)[:, -1], domain),
         "ratio": supremum(lambda q: _ratio(q, machine), domain),
@@ -255,29 +255,3 @@ def _over(domain: Domain, machine: Machine) -> Constants:
 def _ratio(q: NDArray, machine: Machine) -> NDArray:
     ends = _eigenvalues(q, machine)
     return ends[:, -1] ** 2 / ends[:, 0]
-
-
-def _largest_norm(domain: Domain, machine: Machine) -> Peak:
-    """Largest norm of C(q, .): where the cheap bound leaves hope, best hopes first."""
-    symbols = christoffel(domain.q, machine=machine)
-    bound = unfolded_bound(symbols)
-    norm, vector = np.zeros(len(bound)), np.zeros((len(bound), 4))
-    order = np.argsort(bound)[::-1]
-    for start in range(0, len(order), _TILE):
-        rows = order[start : start + _TILE]
-        if bound[rows[0]] <= norm.max():
-            break
-        norm[rows], vector[rows] = bilinear_norm(symbols[rows])
-    if domain.name == "postures":
-        best = int(np.argmax(norm))
-        return Peak(float(norm[best]), domain.q[best])
-
-    def size(rows: NDArray) -> NDArray:
-        x = rows[:, 4:] / np.linalg.norm(rows[:, 4:], axis=-1, keepdims=True)
-        return np.linalg.norm(bilinear_value(christoffel(rows[:, :4], machine=machine), x), axis=-1)
-
-    tops = (
-        climb(size, np.concatenate([domain.q[i], vector[i]]), domain) for i in peaks(norm, domain)
-    )
-    value, row = max(tops, key=lambda top: top[0])
-    return Peak(value, row[:4])

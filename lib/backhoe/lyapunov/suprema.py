@@ -14,14 +14,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.kinematics import joint_vector
+from backhoe.lyapunov.bilinear import bilinear_norm, bilinear_value, unfolded_bound
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["DOMAINS", "Domain", "Peak", "climb", "domain_of", "peaks", "supremum"]
+__all__ = ["DOMAINS", "Domain", "Peak", "climb", "domain_of", "largest_norm", "peaks", "supremum"]
 
 DOMAINS = ("box", "torus")
 _CELLS = {"box": 13, "torus": 16}
 _STARTS = 6
 _STEP = 1e-5
+_TILE = 512
 
 
 class Domain(NamedTuple):
@@ -83,6 +85,35 @@ def supremum(f: Callable[[NDArray], NDArray], domain: Domain) -> Peak:
     tops = (climb(f, domain.q[i], domain) for i in peaks(values, domain))
     value, posture = max(tops, key=lambda top: top[0])
     return Peak(value, posture)
+
+
+def largest_norm(B: Callable[[NDArray], NDArray], domain: Domain) -> Peak:
+    """Largest norm of a bilinear map over the domain.
+
+    Args:
+        B: from postures (n, 4) to symmetric matrices (n, m, 4, 4), as for `bilinear_norm`.
+        domain: where. Of its points only those are searched where a cheap bound leaves hope.
+    """
+    maps = B(domain.q)
+    bound = unfolded_bound(maps)
+    norm, vector = np.zeros(len(bound)), np.zeros((len(bound), 4))
+    order = np.argsort(bound)[::-1]
+    for start in range(0, len(order), _TILE):
+        rows = order[start : start + _TILE]
+        if bound[rows[0]] <= norm.max():
+            break
+        norm[rows], vector[rows] = bilinear_norm(maps[rows])
+    best = int(np.argmax(norm))
+    if domain.name == "postures":
+        return Peak(float(norm[best]), domain.q[best])
+
+    def size(rows: NDArray) -> NDArray:
+        length = np.linalg.norm(rows[:, 4:], axis=-1)
+        return np.linalg.norm(bilinear_value(B(rows[:, :4]), rows[:, 4:]), axis=-1) / length**2
+
+    starts = [np.concatenate([domain.q[i], vector[i]]) for i in peaks(norm, domain)]
+    value, row = max((climb(size, start, domain) for start in starts), key=lambda top: top[0])
+    return Peak(value, row[:4])
 
 
 def peaks(values: NDArray, domain: Domain, count: int = _STARTS) -> list[int]:

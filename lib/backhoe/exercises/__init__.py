@@ -19,6 +19,7 @@ LESSONS = {
     "0": "tour",
     "1": "kinematics",
     "2": "dynamics",
+    "3": "lyapunov_pid",
     "4": "skid_steer",
     "5": "path_tracking",
 }

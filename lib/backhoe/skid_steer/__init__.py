@@ -7,7 +7,7 @@
 - `friction`: Coulomb, smooth and linear laws
 - `linear_model`: the linear dynamic model, repaired
 - `slipping`: the plane model with friction at each wheel
-- `simulation`: many runs at once
+- `simulation`: many runs at once, with every model
 - `plant`: one vehicle, step by step, for trackers
 
 Source: D'Angelo 2022, chapter 2.
@@ -26,6 +26,7 @@ from backhoe.skid_steer.friction import (
     smooth,
     smooth_sign,
 )
+from backhoe.skid_steer.identification import Identification, effective_half_track, identify
 from backhoe.skid_steer.kinematics import (
     body_twist,
     constraint,
@@ -47,6 +48,17 @@ from backhoe.skid_steer.linear_model import (
     steady_state,
     step_response,
 )
+from backhoe.skid_steer.plant import Plant
+from backhoe.skid_steer.simulation import Simulation, simulate
+from backhoe.skid_steer.slipping import (
+    advance,
+    contact_forces,
+    energy,
+    friction_power,
+    state_rate,
+    turning_half_track,
+    turning_moment,
+)
 from backhoe.skid_steer.tracked import tracks_vehicle
 from backhoe.skid_steer.vehicle import HUSKY, PROVENANCE, WHEELS, Vehicle, replace
 
@@ -58,16 +70,25 @@ __all__ = [
     "HUSKY",
     "PROVENANCE",
     "WHEELS",
+    "Identification",
+    "Plant",
     "Rates",
+    "Simulation",
     "StateSpace",
     "Vehicle",
+    "advance",
     "body_twist",
     "constraint",
+    "contact_forces",
     "contact_velocity",
     "control_system",
     "coulomb",
+    "effective_half_track",
+    "energy",
     "fit",
+    "friction_power",
     "icr",
+    "identify",
     "linear",
     "linear_range",
     "overestimate",
@@ -76,13 +97,17 @@ __all__ = [
     "rates",
     "ratios",
     "replace",
+    "simulate",
     "slope",
     "smooth",
     "smooth_sign",
+    "state_rate",
     "state_space",
     "steady_state",
     "step_response",
     "tracks_vehicle",
+    "turning_half_track",
+    "turning_moment",
     "wheel_speeds",
     "world_velocity",
 ]

@@ -46,7 +46,7 @@ def wheel_speeds(
         ValueError: twist does not end in 2 finite numbers, or half_track is not positive.
     """
     twist = _ending_in(twist, 2, "twist", "v_x, omega_z")
-    turn = _half_track(vehicle, half_track) * twist[..., 1]
+    turn = half_track_of(vehicle, half_track) * twist[..., 1]
     return np.stack([twist[..., 0] - turn, twist[..., 0] + turn], axis=-1) / vehicle.wheel_radius
 
 
@@ -75,7 +75,7 @@ def body_twist(
     left, right = _finite(left, "left"), _finite(right, "right")
     if left.shape != right.shape:
         raise ValueError(f"left and right must be alike, got shapes {left.shape}, {right.shape}")
-    c = _half_track(vehicle, half_track)
+    c = half_track_of(vehicle, half_track)
     return vehicle.wheel_radius * np.stack([(left + right) / 2, (right - left) / (2 * c)], axis=-1)
 
 
@@ -201,7 +201,8 @@ def contact_velocity(
     return np.stack(np.broadcast_arrays(along, across), axis=-1)
 
 
-def _half_track(vehicle: Vehicle, half_track: float | None) -> float:
+def half_track_of(vehicle: Vehicle, half_track: float | None) -> float:
+    """The half track given, checked, or the vehicle's own if there is none [m]."""
     if half_track is None:
         return vehicle.half_track
     c = _finite(half_track, "half_track")

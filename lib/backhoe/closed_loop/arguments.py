@@ -69,7 +69,7 @@ def prepared(
 ) -> Task:
     """The arguments of `simulate`, checked and each run's own put side by side."""
     if not isinstance(movement, Movement):
-        raise TypeError(f"movement must be a movement.Movement, got {type(movement).__name__}")
+        raise TypeError(f"movement must be a movement, got {type(movement).__name__}")
     model = machine if model is None else model
     _one_of("law", law, LAWS)
     _one_of("rate", rate, RATES)

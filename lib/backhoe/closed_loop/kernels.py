@@ -29,6 +29,7 @@ _solve = _inner(terms.solve_inertias)
 
 _TANH_IS_ONE = 20.0
 _SMALL_TURN = 0.01
+_BEND, _SHARE, _MOST_STEPS = 8.0, 0.05, 63
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -87,7 +88,7 @@ def run(plant, model, law, gains, reference, start, sampling, log_every, log, me
         if _diverged(reference[0, i], q, dq, given, largest_error, largest_speed):
             return i
         if i < samples - 1:
-            q, dq = _rk4(arm, numbers, _tuple(given), q, dq, dt)
+            q, dq = _advance(arm, numbers, _tuple(given), q, dq, dt)
     return samples
 
 
@@ -150,17 +151,40 @@ def _diverged(q_ref, q, dq, given, largest_error, largest_speed):
 
 
 @_inner
-def _rk4(arm, numbers, tau, q, dq, dt):
-    """The classical Runge-Kutta step with the torque held."""
+def _advance(arm, numbers, tau, q, dq, dt):
+    """One sample with the torque held, in steps short enough for Coulomb friction's bend."""
     turns = _turns(arm, q)
-    a1 = _acceleration(arm, numbers, tau, turns, dq)
-    w2 = _ahead(dq, dt / 2, a1)
-    a2 = _acceleration(arm, numbers, tau, _turned(arm, q, turns, dt / 2, dq), w2)
-    w3 = _ahead(dq, dt / 2, a2)
-    a3 = _acceleration(arm, numbers, tau, _turned(arm, q, turns, dt / 2, w2), w3)
-    w4 = _ahead(dq, dt, a3)
-    a4 = _acceleration(arm, numbers, tau, _turned(arm, q, turns, dt, w3), w4)
-    return _weighted(q, dt, dq, w2, w3, w4), _weighted(dq, dt, a1, a2, a3, a4)
+    a = _acceleration(arm, numbers, tau, turns, dq)
+    steps = _steps(numbers, dq, a, dt)
+    q, dq = _rk4(arm, numbers, tau, q, dq, turns, a, dt / steps)
+    for _ in range(steps - 1):
+        turns = _turns(arm, q)
+        a = _acceleration(arm, numbers, tau, turns, dq)
+        q, dq = _rk4(arm, numbers, tau, q, dq, turns, a, dt / steps)
+    return q, dq
+
+
+@_inner
+def _steps(numbers, dq, a, dt):
+    """How many steps keep the change of a speed, where friction bends, to a share of the bend."""
+    steps = 1
+    for k in range(4):
+        change = abs(a[k]) * dt
+        if numbers[1, k] > 0 and abs(dq[k]) < _BEND * numbers[5, 0] + change:
+            steps = max(steps, int(min(change / (_SHARE * numbers[5, 0]), _MOST_STEPS)) + 1)
+    return steps
+
+
+@_inner
+def _rk4(arm, numbers, tau, q, dq, turns, a1, h):
+    """The classical Runge-Kutta step with the torque held."""
+    w2 = _ahead(dq, h / 2, a1)
+    a2 = _acceleration(arm, numbers, tau, _turned(arm, q, turns, h / 2, dq), w2)
+    w3 = _ahead(dq, h / 2, a2)
+    a3 = _acceleration(arm, numbers, tau, _turned(arm, q, turns, h / 2, w2), w3)
+    w4 = _ahead(dq, h, a3)
+    a4 = _acceleration(arm, numbers, tau, _turned(arm, q, turns, h, w3), w4)
+    return _weighted(q, h, dq, w2, w3, w4), _weighted(dq, h, a1, a2, a3, a4)
 
 
 @_inner

@@ -3,11 +3,12 @@
     with sim.open_world() as world:
         world.step(torque)
 
-`protocol.Simulation` lists all that a world offers.
+`protocol.Simulation` lists all that a world offers. `open_rover` opens a robot on four wheels.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
@@ -17,9 +18,12 @@ from backhoe.sim.protocol import Simulation
 from backhoe.sim.scene import FLAT, LOADING, Scene
 
 if TYPE_CHECKING:
+    from backhoe.motor import Motor, WheelGains
     from backhoe.sim.loop import Loop
+    from backhoe.sim.rover import Rover
+    from backhoe.skid_steer import Vehicle
 
-__all__ = ["BACKENDS", "FLAT", "LOADING", "Simulation", "open_world"]
+__all__ = ["BACKENDS", "FLAT", "LOADING", "Simulation", "open_rover", "open_world"]
 
 BACKENDS = ("auto", "pybullet", "analytic")
 
@@ -72,19 +76,79 @@ def open_world(
         ValueError: an unknown backend or base, q not 4 finite angles, seed not a whole number.
         ImportError: PyBullet is asked for and not installed.
     """
-    if backend not in BACKENDS:
-        raise ValueError(f"unknown backend {backend!r}: the backends are {', '.join(BACKENDS)}")
-    if backend == "auto":
-        from backhoe.sim import bullet
-
-        try:
-            bullet.pybullet()
-            backend = "pybullet"
-        except ImportError:
-            announce_fallback()
-            backend = "analytic"
+    backend = _backend(backend)
     if backend == "pybullet":
         from backhoe.sim.world import BulletWorld as World
     else:
         from backhoe.sim.analytic import AnalyticWorld as World
     return World(machine, scene, seed, q, soil, base, friction)
+
+
+def open_rover(
+    vehicle: Vehicle | None = None,
+    *,
+    driven: str = "all",
+    backend: str = "auto",
+    contacts: str = "library",
+    dt: float = 0.02,
+    pose: ArrayLike | None = None,
+    motor: Motor | None = None,
+    gains: WheelGains | None = None,
+    wheel_controller: Callable | None = None,
+    half_track: float | None = None,
+) -> Rover:
+    """Open a robot on four wheels, generated from its description, on flat ground.
+
+    Args:
+        vehicle: its description; default `skid_steer.HUSKY`.
+        driven: wheels with a motor, "all" or "front".
+        backend: "pybullet", "analytic", or "auto" for PyBullet where it is installed.
+        contacts: whose friction turns it in PyBullet: "library" for the slipping model's, "bullet"
+            for PyBullet's own, for comparison (see `rover`).
+        dt: sample time of `Rover.step`, a whole multiple of 1 ms [s].
+        pose: x, y, heading at the start, shape (3,) [m, m, rad].
+        motor, gains, wheel_controller, half_track: as for `rover.Rover`.
+
+    Returns:
+        The rover: a plant for trackers, with `pose`, `twist`, `time`, `dt`, `step(v, omega)`.
+
+    Raises:
+        TypeError: vehicle is none, or wheel_controller cannot be called.
+        ValueError: an unknown backend or kind of contacts, PyBullet's contacts without PyBullet, or
+            an argument of `rover.Rover` that is malformed.
+        ImportError: PyBullet is asked for and not installed.
+    """
+    if contacts not in ("library", "bullet"):
+        raise ValueError(f'contacts must be "library" or "bullet", got {contacts!r}')
+    backend = _backend(backend)
+    if vehicle is None:
+        from backhoe.skid_steer import HUSKY as vehicle
+    if backend == "analytic":
+        if contacts == "bullet":
+            raise ValueError('contacts="bullet" needs PyBullet: the analytic backend has none')
+        from backhoe.sim.rover import AnalyticRover as Opened
+    elif contacts == "bullet":
+        from backhoe.sim.rover_bullet import ContactRover as Opened
+    else:
+        from backhoe.sim.rover_bullet import BulletRover as Opened
+    return Opened(vehicle, driven, dt, pose, motor, gains, wheel_controller, half_track)
+
+
+def _backend(backend: str) -> str:
+    """The backend's name, "auto" resolved.
+
+    Raises:
+        ValueError: there is no such backend.
+    """
+    if backend not in BACKENDS:
+        raise ValueError(f"unknown backend {backend!r}: the backends are {', '.join(BACKENDS)}")
+    if backend != "auto":
+        return backend
+    from backhoe.sim import bullet
+
+    try:
+        bullet.pybullet()
+        return "pybullet"
+    except ImportError:
+        announce_fallback()
+        return "analytic"

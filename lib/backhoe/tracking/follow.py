@@ -104,7 +104,7 @@ def follow(
             if it has any, else none.
         speed: what the goals say of the speed in path mode [m/s].
         period: sample time of the tracker, a whole multiple of plant.dt, its command held
-            between [s]; None: plant.dt.
+            between [s]; None: the tracker's `period` if it has one, else plant.dt.
         name: of the tracker, for errors and tables; None: its `__name__` or its class's name.
 
     Returns:
@@ -118,7 +118,7 @@ def follow(
     name = tracker_name(tracker) if name is None else name
     _check_kinds(tracker, plant, path, mode)
     arrival, speed = positive(arrival, "arrival", "m"), positive(speed, "speed", "m/s")
-    hold = _samples_held(plant.dt, period)
+    hold = _samples_held(plant.dt, getattr(tracker, "period", None) if period is None else period)
     period = hold * plant.dt
     longest = _patience(plant, path, speed) if mode == "path" else path.end_time
     if time_limit is not None:

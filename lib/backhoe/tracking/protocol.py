@@ -5,7 +5,8 @@ A tracker is a callable that looks at the vehicle and at the goal and says how f
     v, omega = tracker(pose, twist, goal, dt)
 
 A plain function will do. A tracker that remembers something is a class with `__call__` and
-`reset()`. A plant is what is driven: the equations of a vehicle or a simulated machine.
+`reset()`; one that is made for a certain sample time says so with `period` [s]. A plant is what is
+driven: the equations of a vehicle or a simulated machine.
 """
 
 from __future__ import annotations
@@ -41,7 +42,10 @@ class Goal(NamedTuple):
 
 
 class Tracker(Protocol):
-    """Called once in each sample of `dt` seconds; may have `reset()`, called before a run."""
+    """Called once in each sample of `dt` seconds.
+
+    It may have `reset()`, called before a run, and `period`, the sample time it wants [s].
+    """
 
     def __call__(self, pose: NDArray, twist: NDArray, goal: Goal, dt: float) -> tuple[float, float]:
         """Speeds to drive with during this sample.

@@ -1,22 +1,26 @@
 """Pure pursuit, the field's reference: steer for a point on the path, a look-ahead L away.
 
 The arc that leaves along the vehicle's axis and passes through a point (x, y) of the vehicle's
-frame, D = sqrt(x^2 + y^2) away, has the curvature 2 y / D^2 (Coulter, "Implementation of the Pure
-Pursuit Path Tracking Algorithm", CMU-RI-TR-92-01, 1992). The point is where the path leaves the
-circle of radius L round the vehicle, so D = L; if the whole path is farther away, it is the path's
-nearest point. Beyond its end the path goes straight on, and the vehicle stops when it has passed
-the end. It drives forwards only.
+frame, at the distance L, has the curvature 2 y / L^2 (Coulter, "Implementation of the Pure Pursuit
+Path Tracking Algorithm", CMU-RI-TR-92-01, 1992). The point is where the path leaves the circle of
+radius L round the vehicle; if the path is farther away than that, it is the circle's point in the
+direction of the path's nearest point. Beyond its end the path goes straight on, and the vehicle
+stops when it has passed the end.
+
+It drives forwards only, so for a point behind it the vehicle turns as tightly as it ever does, with
+the curvature 2 / L: 2 y / L^2 would go to zero there, and the vehicle away.
 """
 
 from __future__ import annotations
 
-from math import cos, hypot, sin, sqrt
+from math import atan2, copysign, cos, hypot, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.tracking.path import positive
 from backhoe.tracking.polyline import arc_length, points_array
+from backhoe.tracking.pose_error import wrap
 from backhoe.tracking.protocol import Goal, Situation, situation
 
 __all__ = ["PurePursuit"]
@@ -72,10 +76,10 @@ class PurePursuit:
         if self._progress >= self._arc[-1] and self._passed(now.x, now.y):
             return 0.0, 0.0
         x, y = self._target(now.x, now.y)
-        left = (y - now.y) * cos(now.theta) - (x - now.x) * sin(now.theta)
-        away = max((x - now.x) ** 2 + (y - now.y) ** 2, _TIE)
+        bearing = wrap(atan2(y - now.y, x - now.x) - now.theta)
+        steering = sin(bearing) if abs(bearing) <= pi / 2 else copysign(1.0, bearing)
         v = self._wanted_speed(now, goal)
-        return v, v * 2 * left / away
+        return v, v * 2 * steering / self.lookahead
 
     def _start(self, path: NDArray) -> None:
         points = points_array(path, "goal.path")

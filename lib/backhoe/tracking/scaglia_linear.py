@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from backhoe.tracking.pose_error import wrap
 from backhoe.tracking.protocol import Goal, situation
-from backhoe.tracking.scaglia_taylor import STILL, gain
+from backhoe.tracking.scaglia_taylor import STILL, gain, sample_time
 
 __all__ = ["ScagliaLinear"]
 
@@ -36,13 +36,15 @@ class ScagliaLinear:
 
     Args:
         kv, kw: gains of V and W, each above 0 and at most 1; 1 and 1 end every sample on the goal.
+        period: sample time T0 that `follow` shall call it with [s]; None: the plant's.
 
     Raises:
-        ValueError: a gain outside (0, 1].
+        ValueError: a gain outside (0, 1], a period that is not positive.
     """
 
-    def __init__(self, kv: float = 0.4, kw: float = 0.4) -> None:
+    def __init__(self, kv: float = 0.4, kw: float = 0.4, *, period: float | None = None) -> None:
         self.kv, self.kw = gain(kv, "kv"), gain(kw, "kw")
+        self.period = sample_time(period)
 
     def __call__(
         self, pose: ArrayLike, twist: ArrayLike, goal: Goal, dt: float

@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.reals import real_array
 from backhoe.tracking.pose_error import wrap
 from backhoe.tracking.protocol import Goal, situation
-from backhoe.tracking.scaglia_taylor import STILL, gain
+from backhoe.tracking.scaglia_taylor import STILL, gain, sample_time
 
 __all__ = ["ScagliaRungeKutta", "speed_modes"]
 
@@ -45,21 +45,31 @@ class ScagliaRungeKutta:
         weight: w of the new speeds, from 1/2 (as printed, rings for ever) to 1.
         brake: drive backwards rather than turn round where the wanted speed points backwards;
             False as printed.
+        period: sample time T0 that `follow` shall call it with [s]; None: the plant's.
 
     Raises:
-        ValueError: a gain outside (0, 1], a weight outside [1/2, 1].
+        ValueError: a gain outside (0, 1], a weight outside [1/2, 1], a period that is not positive.
     """
 
     def __init__(
-        self, kv: float = 0.4, kw: float = 0.5, *, weight: float = 0.75, brake: bool = True
+        self,
+        kv: float = 0.4,
+        kw: float = 0.5,
+        *,
+        weight: float = 0.75,
+        brake: bool = True,
+        period: float | None = None,
     ) -> None:
         self.kv, self.kw = gain(kv, "kv"), gain(kw, "kw")
         self.weight, self.brake = _weight(weight), brake
+        self.period = sample_time(period)
 
     @classmethod
-    def printed(cls, kv: float = 0.4, kw: float = 0.5) -> ScagliaRungeKutta:
+    def printed(
+        cls, kv: float = 0.4, kw: float = 0.5, *, period: float | None = None
+    ) -> ScagliaRungeKutta:
         """The tracker of (7.1) as printed, undamped mode included."""
-        return cls(kv, kw, weight=0.5, brake=False)
+        return cls(kv, kw, weight=0.5, brake=False, period=period)
 
     def __call__(
         self, pose: ArrayLike, twist: ArrayLike, goal: Goal, dt: float

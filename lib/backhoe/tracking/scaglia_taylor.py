@@ -39,14 +39,22 @@ class ScagliaTaylor:
     Args:
         kv2, kw2: the gains k_v^2 and k_w^2, each above 0 and at most 1; the source takes 0.4.
         optimum: take theta in V, the minimum of J; otherwise theta_d as in (6.13a).
+        period: sample time T0 that `follow` shall call it with [s]; None: the plant's.
 
     Raises:
-        ValueError: a gain outside (0, 1].
+        ValueError: a gain outside (0, 1], a period that is not positive.
     """
 
-    def __init__(self, kv2: float = 0.4, kw2: float = 0.4, *, optimum: bool = False) -> None:
+    def __init__(
+        self,
+        kv2: float = 0.4,
+        kw2: float = 0.4,
+        *,
+        optimum: bool = False,
+        period: float | None = None,
+    ) -> None:
         self.kv2, self.kw2 = gain(kv2, "kv2"), gain(kw2, "kw2")
-        self.optimum = optimum
+        self.optimum, self.period = optimum, sample_time(period)
 
     def __call__(
         self, pose: ArrayLike, twist: ArrayLike, goal: Goal, dt: float
@@ -81,6 +89,11 @@ def weight_ratio(k2: float, T0: float) -> float:
     if k2 == 1:
         raise ValueError("k2 = 1 spends without regard: the ratio is infinite; give less than 1")
     return k2 / ((1 - k2) * T0**2)
+
+
+def sample_time(period: float | None) -> float | None:
+    """`period` as a float [s], or None; ValueError unless it is one of these and positive."""
+    return None if period is None else positive(period, "period", "s")
 
 
 def gain(value: float, name: str) -> float:

@@ -32,6 +32,9 @@ MIN_TRAVEL = 0.1
 class Identification:
     """What the logs tell, each with its standard deviation if the residuals were white noise.
 
+    Slip that changes along the way is no white noise, nor is what a noisy heading adds up to along
+    the path: with them the deviations are too small, and the residuals are what to look at.
+
     Attributes:
         half_track, half_track_std: effective half track y_ICR [m].
         x_icr, x_icr_std: longitudinal coordinate of the centre of rotation [m].

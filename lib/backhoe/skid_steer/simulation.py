@@ -127,7 +127,7 @@ def simulate(
     log = _in_blocks(block, commands, vehicles, first)
     log = log[0] if single else log
     voltage = log[..., 10:] if log.shape[-1] > 10 else None
-    time = dt * every * np.arange(n // every + 1)
+    time = dt * np.arange(0, n + 1, every)
     return Simulation(time, log[..., :3], log[..., 3:6], log[..., 6:10], voltage)
 
 

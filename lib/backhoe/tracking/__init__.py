@@ -8,7 +8,7 @@
 """
 
 from backhoe.tracking.compare import Comparison, Radar, compare
-from backhoe.tracking.follow import Follow, follow
+from backhoe.tracking.follow import ARRIVAL, Follow, follow
 from backhoe.tracking.geometries import circle, figure_eight, from_points, square
 from backhoe.tracking.ideal_plant import IdealPlant, arc
 from backhoe.tracking.limits import Limits
@@ -25,6 +25,7 @@ from backhoe.tracking.scaglia_taylor import ScagliaTaylor, weight_ratio
 from backhoe.tracking.tuned import TRACKERS, p_tracker, pi_tracker
 
 __all__ = [
+    "ARRIVAL",
     "TRACKERS",
     "Assessment",
     "Comparison",

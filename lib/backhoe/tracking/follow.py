@@ -15,6 +15,7 @@ from math import ceil, hypot, isfinite, nan
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.reals import real_array
 from backhoe.tracking.goals import TrajectoryGoals, WaypointGoals
 from backhoe.tracking.limits import Limits
 from backhoe.tracking.path import Path, positive
@@ -188,9 +189,9 @@ def _asking(
 def _two_numbers(answer: object, name: str, time: float) -> tuple[float, float]:
     try:
         v, omega = answer
-        if isinstance(v, str) or isinstance(omega, str):
-            raise TypeError
-        v, omega = float(v), float(omega)
+        if not (isinstance(v, float) and isinstance(omega, float)):
+            v, omega = real_array(answer, "speeds").tolist()
+            v, omega = float(v), float(omega)
     except (TypeError, ValueError, OverflowError):
         v = omega = nan
     if isfinite(v) and isfinite(omega):
@@ -202,9 +203,11 @@ def _two_numbers(answer: object, name: str, time: float) -> tuple[float, float]:
 
 
 def _state(plant: Plant) -> tuple[list[float], list[float]]:
-    pose, twist = np.asarray(plant.pose).tolist(), np.asarray(plant.twist).tolist()
-    if len(pose) == 3 and len(twist) == 2 and isfinite(sum(pose) + sum(twist)):
-        return pose, twist
+    pose, twist = np.asarray(plant.pose), np.asarray(plant.twist)
+    if pose.shape == (3,) and twist.shape == (2,):
+        pose, twist = pose.tolist(), twist.tolist()
+        if isfinite(sum(pose)) and isfinite(sum(twist)):
+            return pose, twist
     raise ValueError(
         f"the plant must have a finite pose (3,) and twist (2,), got {pose} and {twist} "
         f"at t = {plant.time:.2f} s"

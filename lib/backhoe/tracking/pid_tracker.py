@@ -115,7 +115,7 @@ class PIDTracker:
 def _gains(name: str, gains: ArrayLike) -> LoopGains:
     try:
         loop = LoopGains(*(float(gain) for gain in gains))
-    except TypeError as error:
+    except (TypeError, ValueError) as error:
         raise ValueError(f"{name} must be kp, ki, kd or fewer, got {gains!r}") from error
     if not all(0 <= gain < inf for gain in loop):
         raise ValueError(f"{name} must be gains kp, ki, kd, finite and not negative, got {gains!r}")

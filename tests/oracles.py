@@ -94,6 +94,50 @@ def urdf(machine: Machine = BACKHOE) -> str:
     return f'<robot name="backhoe">{"".join(parts)}</robot>'
 
 
+def mjcf(machine: Machine = BACKHOE, actuators: str | None = None) -> str:
+    """The arm as a MuJoCo model on a fixed base, with viscous friction and nothing to collide.
+
+    Args:
+        actuators: elements of the model's actuators; one motor for each joint unless told.
+    """
+    base, swing = machine.base, machine.swing
+
+    def body(name: str, xyz: tuple, rpy: tuple, axis: str, viscous: float) -> str:
+        return (
+            f'<body name="{name}" pos="{" ".join(map(repr, xyz))}"'
+            f' euler="{" ".join(map(repr, rpy))}">'
+            f'<joint name="{name}" axis="{axis}" damping="{float(viscous)!r}"/>'
+        )
+
+    def inertial(mass: float, com: tuple[float, float, float], moment: float) -> str:
+        return (
+            f'<inertial pos="{" ".join(map(repr, com))}" mass="{mass!r}"'
+            f' diaginertia="{moment!r} {moment!r} {moment!r}"/>'
+        )
+
+    r, a = swing.com_radius, swing.com_angle
+    parts = [
+        body("swing", (base.offset, 0.0, base.height), (0, 0, pi / 2), "0 0 1", machine.viscous[0]),
+        inertial(swing.mass, (r * cos(a), r * sin(a), swing.com_height), swing.inertia),
+    ]
+    xyz = (swing.offset, 0.0, swing.height)
+    names = ("boom", "stick", "bucket")
+    for name, link, viscous in zip(names, machine.links, machine.viscous[1:], strict=True):
+        bend = link.com_angle - link.angle_offset
+        com = (link.com_radius * cos(bend), 0.0, link.com_radius * sin(bend))
+        parts.append(body(name, xyz, (0, -link.angle_offset, 0), "0 -1 0", viscous))
+        parts.append(inertial(link.mass, com, link.inertia))
+        xyz = (link.length, 0.0, 0.0)
+    motors = "".join(f'<motor joint="{name}"/>' for name in ("swing", *names))
+    return (
+        '<mujoco><compiler angle="radian"/>'
+        f'<option timestep="0.001" gravity="0 0 {-machine.gravity!r}">'
+        '<flag contact="disable" constraint="disable"/></option>'
+        f"<worldbody>{''.join(parts)}{'</body>' * 4}</worldbody>"
+        f"<actuator>{actuators or motors}</actuator></mujoco>"
+    )
+
+
 def _machine_numbers(machine: Machine) -> tuple[list[float], list[list[float]]]:
     base, swing = machine.base, machine.swing
     house = [

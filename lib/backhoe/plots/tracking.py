@@ -20,7 +20,7 @@ class Chart(Protocol):
     fields: Sequence[str]
     trackers: Sequence[str]
     values: ArrayLike
-    scales: Sequence[float]
+    scales: ArrayLike
 
 
 @styled
@@ -44,7 +44,7 @@ def pose_errors(pose: ArrayLike, waypoint: ArrayLike, next_waypoint: ArrayLike) 
     ax.plot(*np.array([waypoint, following]).T, **KINDS["reference"])
     ax.plot(*np.array([waypoint, following]).T, "o", color=DARK, ms=7, zorder=5)
     for point, name in ((waypoint, "$WP_n$"), (following, "$WP_{n+1}$")):
-        ax.annotate(name, point, (8, 8), textcoords="offset points", va="bottom")
+        ax.annotate(name, point, (-8, 6), textcoords="offset points", va="bottom", ha="right")
     _dimension(ax, place, waypoint, r"$\rho$", BLUE)
     _dimension(ax, foot, waypoint, r"$\Delta y$", RED)
     reach = 1.08 * max(np.linalg.norm(foot - place), 0.5)
@@ -103,7 +103,7 @@ def from_above(
     for ax in axes.flat[len(scenes) :]:
         ax.axis("off")
     handles = {h.get_label(): h for ax in axes.flat for h in ax.lines}
-    fig.legend(handles.values(), handles, loc="outside lower center", ncols=min(len(handles), 4))
+    fig.legend(handles.values(), handles, loc="outside lower center", ncols=min(len(handles), 5))
     return fig
 
 
@@ -181,14 +181,18 @@ def radar(charts: Mapping[str, Chart], labels: Mapping[str, str] | None = None) 
     """
     if not charts:
         raise ValueError("nothing to draw: give a title and a chart for each panel")
-    columns = len(charts)
+    count = len(charts) + 1
+    columns = min(count, 2)
+    rows = -(-count // columns)
     fig, axes = figure(
-        6.8, 7.4 / columns + 0.7, 1, columns, squeeze=False, subplot_kw={"projection": "polar"}
+        6.8, 3.3 * rows, rows, columns, squeeze=False, subplot_kw={"projection": "polar"}
     )
-    for ax, (title, chart) in zip(axes.flat, charts.items(), strict=True):
+    for ax, (title, chart) in zip(axes.flat, charts.items(), strict=False):
         _spokes(ax, title, chart, labels or {})
+    for ax in axes.flat[len(charts) :]:
+        ax.axis("off")
     handles, names = axes.flat[0].get_legend_handles_labels()
-    fig.legend(handles, names, loc="outside lower center", ncols=3)
+    axes.flat[len(charts)].legend(handles, names, loc="center", fontsize=11)
     return fig
 
 
@@ -203,13 +207,16 @@ def _spokes(ax: Axes, title: str, chart: Chart, labels: Mapping[str, str]) -> No
     for tracker, row, colour in zip(chart.trackers, values, COLOURS * 3, strict=False):
         ax.plot([*angles, angles[0]], [*row, row[0]], "-o", color=colour, ms=3, label=tracker)
     names = [
-        f"{labels.get(field, field)}\n{scale:.3g}"
+        f"{labels.get(field, field)}\n{scale:.2g}"
         for field, scale in zip(chart.fields, chart.scales, strict=True)
     ]
-    ax.set_xticks(angles, names, size=8)
+    ax.set_xticks(angles, names, size=9)
+    for angle, name in zip(angles, ax.get_xticklabels(), strict=True):
+        name.set_ha("center" if abs(np.sin(angle)) < 0.1 else "right" if angle < np.pi else "left")
+    ax.tick_params(axis="x", pad=1)
     ax.set_yticks([0.5, 1.0], ["", ""])
     ax.set(ylim=(0.0, 1.05), theta_offset=np.pi / 2)
-    ax.set_title(title, pad=14)
+    ax.set_title(title, weight="bold")
 
 
 def _checked(values: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray:

@@ -8,10 +8,12 @@ never goes down, and then by Newton's method on the sphere.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["bilinear_norm", "bilinear_value", "by_turns", "unfolded_bound"]
+__all__ = ["bilinear_norm", "bilinear_value", "by_turns", "unfolded_bound", "widest"]
 
 _TURNS = 5
 _NEWTON = 6
@@ -39,43 +41,70 @@ def bilinear_norm(B: NDArray) -> tuple[NDArray, NDArray]:
     Returns:
         The norm (...) and a unit x (..., n) with ||B(x, x)|| equal to it.
     """
-    zero = np.zeros((*B.shape[:-3], *B.shape[-2:]))
-    best = np.full(B.shape[:-3], -1.0)
-    vector = np.zeros((*B.shape[:-3], B.shape[-1]))
+    return _best_of_starts(
+        lambda start: _newton(B, by_turns(np.zeros(B.shape[-2:]), B, start)[1]), B
+    )
+
+
+def widest(A: NDArray, B: NDArray) -> tuple[NDArray, NDArray]:
+    """About the largest x^T A x + ||B(x, x)|| over unit x; `by_turns` improves it.
+
+    Args:
+        A: symmetric positive semidefinite, shape (..., n, n); B: symmetric, shape (..., m, n, n).
+
+    Returns:
+        The value (...) and the unit x (..., n) that has it.
+    """
+    return _best_of_starts(lambda start: by_turns(A, B, start), B)
+
+
+def by_turns(A: NDArray, B: NDArray, x: NDArray, turns: int = _TURNS) -> tuple[NDArray, NDArray]:
+    """Go uphill on x^T A x + ||B(x, x)||, never down.
+
+    Args:
+        A, B: as for `widest`.
+        x: unit vectors to start from, shape (..., n).
+        turns: number of steps.
+
+    Returns:
+        The value (...) and the unit x (..., n).
+    """
+    last = B.shape[-1] - 1
+    b = bilinear_value(B, x)
+    for _ in range(turns):
+        bent = A + np.einsum("...k,...kij->...ij", _unit(b), B)
+        values, vectors = np.linalg.eigh(bent)
+        place = np.where(np.abs(values[..., 0]) > np.abs(values[..., -1]), 0, last)
+        x = np.take_along_axis(vectors, place[..., None, None], axis=-1)[..., 0]
+        b = bilinear_value(B, x)
+    steady = ((A @ x[..., None])[..., 0] * x).sum(axis=-1)
+    return steady + np.linalg.norm(b, axis=-1), x
+
+
+def _best_of_starts(climb: Callable, B: NDArray) -> tuple[NDArray, NDArray]:
+    best, vector = np.full(B.shape[:-3], -1.0), np.zeros((*B.shape[:-3], B.shape[-1]))
     for start in _starts(B):
-        x = _newton(B, by_turns(zero, B, start))
-        size = np.linalg.norm(bilinear_value(B, x), axis=-1)
+        size, x = climb(start)
         better = size > best
         best = np.where(better, size, best)
         vector = np.where(better[..., None], x, vector)
     return best, vector
 
 
-def by_turns(A: NDArray, B: NDArray, z: NDArray) -> NDArray:
-    """A unit x that makes |x^T A x| + ||B(x, x)|| large, going uphill from the direction z.
-
-    Args:
-        A: symmetric positive semidefinite, shape (..., n, n); B: shape (..., m, n, n).
-        z: unit vector to start from, shape (..., m).
-    """
-    for _ in range(_TURNS):
-        bent = A + np.einsum("...k,...kij->...ij", z, B)
-        values, vectors = np.linalg.eigh(bent)
-        last = B.shape[-1] - 1
-        widest = np.where(np.abs(values[..., 0]) > np.abs(values[..., -1]), 0, last)
-        x = np.take_along_axis(vectors, widest[..., None, None], axis=-1)[..., 0]
-        z = _unit(bilinear_value(B, x))
-    return x
-
-
 def _starts(B: NDArray) -> list[NDArray]:
-    """The directions in which B is widest on average, widest first."""
+    """Unit x that suit the directions z in which B is widest on average, widest first."""
     flat = B.reshape(*B.shape[:-2], -1)
     directions = np.linalg.eigh(flat @ np.swapaxes(flat, -1, -2))[1]
-    return [directions[..., -1 - i] for i in range(min(_STARTS, B.shape[-3]))]
+    starts = []
+    for i in range(min(_STARTS, B.shape[-3])):
+        bent = np.einsum("...k,...kij->...ij", directions[..., -1 - i], B)
+        values, vectors = np.linalg.eigh(bent)
+        place = np.argmax(np.abs(values), axis=-1)
+        starts.append(np.take_along_axis(vectors, place[..., None, None], axis=-1)[..., 0])
+    return starts
 
 
-def _newton(B: NDArray, x: NDArray) -> NDArray:
+def _newton(B: NDArray, x: NDArray) -> tuple[NDArray, NDArray]:
     """Maximise ||B(x, x)||^2 / 2 on the sphere, keeping every step that goes uphill."""
     identity = np.eye(x.shape[-1])
     for _ in range(_NEWTON):
@@ -92,7 +121,7 @@ def _newton(B: NDArray, x: NDArray) -> NDArray:
         tried = _unit(x + (vectors @ pull[..., None])[..., 0])
         higher = np.linalg.norm(bilinear_value(B, tried), axis=-1) > np.linalg.norm(b, axis=-1)
         x = np.where(higher[..., None], tried, x)
-    return x
+    return np.linalg.norm(bilinear_value(B, x), axis=-1), x
 
 
 def _unit(x: NDArray) -> NDArray:

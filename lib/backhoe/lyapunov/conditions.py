@@ -23,17 +23,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.dynamics import mass_matrix, mass_matrix_derivative
-from backhoe.lyapunov.bilinear import bilinear_value, by_turns
 from backhoe.lyapunov.extremes import Constants, gravity_slope
 from backhoe.lyapunov.gains import gain_matrix, positive
-from backhoe.lyapunov.suprema import Domain, climb, domain_of, largest_norm, peaks, supremum
+from backhoe.lyapunov.suprema import Domain, domain_of, heaviest, largest_norm, supremum
 from backhoe.machine import BACKHOE, Machine
 
 __all__ = [
     "ROUTES",
     "Gains",
     "Route",
-    "heaviest",
+    "damping_per_alpha",
     "highest",
     "least",
     "lowest",
@@ -138,7 +137,7 @@ class Exact(Matrix):
         return supremum(needed, c.over).value
 
     def alpha_decay(self, gains: Gains, c: Constants, radius: float) -> float:
-        return 1 / heaviest(gains.Kd, radius, c.over, c.machine)
+        return 1 / damping_per_alpha(gains.Kd, radius, c.over, c.machine)
 
     def alpha_positive(self, gains: Gains, c: Constants) -> float:
         return Matrix.alpha_decay(self, gains, c, 0.0)
@@ -199,7 +198,7 @@ def matrix_condition(
     return alpha * least(Kd / alpha, domain_of(None, domain, machine), machine)
 
 
-def heaviest(weights: NDArray, radius: float, domain: Domain, machine: Machine) -> float:
+def damping_per_alpha(weights: NDArray, radius: float, domain: Domain, machine: Machine) -> float:
     """The smallest s with s weights >= M(q) - sum q~_k dM/dq_k / 2 for all q and ||q~|| <= radius.
 
     Args:
@@ -212,22 +211,7 @@ def heaviest(weights: NDArray, radius: float, domain: Domain, machine: Machine) 
         turned = radius / 2 * (W @ mass_matrix_derivative(q, machine) @ W)
         return W @ mass_matrix(q, machine) @ W, turned
 
-    def size(rows: NDArray) -> NDArray:
-        A, B = parts(rows[:, :4])
-        x = rows[:, 4:] / np.linalg.norm(rows[:, 4:], axis=-1, keepdims=True)
-        steady = (x * (A @ x[..., None])[..., 0]).sum(axis=-1)
-        return steady + np.linalg.norm(bilinear_value(B, x), axis=-1)
-
-    A, B = parts(domain.q)
-    best, tops = np.zeros(len(A)), []
-    for start in np.eye(4)[1:]:
-        x = by_turns(A, B, np.broadcast_to(start, (len(A), 4)))
-        rows = np.concatenate([domain.q, x], axis=-1)
-        values = size(rows)
-        best = np.maximum(best, values)
-        if domain.name != "postures":
-            tops += [climb(size, rows[i], domain)[0] for i in peaks(values, domain, 3)]
-    return max([float(best.max()), *tops])
+    return heaviest(parts, domain).value
 
 
 def least(left: NDArray, domain: Domain, machine: Machine) -> float:

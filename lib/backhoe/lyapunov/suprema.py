@@ -1,29 +1,34 @@
 """Largest values over postures: over given ones, over the joint box, or over all angles.
 
 The largest value over a whole box or torus is searched on a grid, and from its best points uphill
-by SciPy's L-BFGS-B. That proves nothing: the tests hold it against random search and against bounds
-that follow from Lipschitz constants. Neither M nor g depends on the swing, which stays at 0.
+on ever finer stencils. That proves nothing: the tests hold it against SciPy, random search and
+bounds from above. Neither M nor g depends on the swing, which stays at 0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.kinematics import joint_vector
-from backhoe.lyapunov.bilinear import bilinear_norm, bilinear_value, unfolded_bound
+from backhoe.lyapunov.bilinear import bilinear_norm, by_turns, unfolded_bound, widest
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["DOMAINS", "Domain", "Peak", "climb", "domain_of", "largest_norm", "peaks", "supremum"]
+__all__ = ["DOMAINS", "Domain", "Peak", "domain_of", "heaviest", "largest_norm", "supremum"]
 
 DOMAINS = ("box", "torus")
 _CELLS = {"box": 13, "torus": 16}
-_STARTS = 6
-_STEP = 1e-5
+_EACH, _LOOKED_AT = 4, 100
 _TILE = 512
+_FINEST, _GAIN, _ROUNDS, _FARTHEST = 1e-6, 1e-12, 300, 5.0
+_STENCIL = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
+
+Parts = Callable[[NDArray], tuple[NDArray, NDArray]]
 
 
 class Domain(NamedTuple):
@@ -79,12 +84,11 @@ def supremum(f: Callable[[NDArray], NDArray], domain: Domain) -> Peak:
         domain: where.
     """
     values = f(domain.q)
+    best = int(np.argmax(values))
     if domain.name == "postures":
-        best = int(np.argmax(values))
         return Peak(float(values[best]), domain.q[best])
-    tops = (climb(f, domain.q[i], domain) for i in peaks(values, domain))
-    value, posture = max(tops, key=lambda top: top[0])
-    return Peak(value, posture)
+    nothing = np.zeros((len(values), 0))
+    return _climb(lambda q, x: (f(q), x), values, nothing, domain)
 
 
 def largest_norm(B: Callable[[NDArray], NDArray], domain: Domain) -> Peak:
@@ -107,61 +111,115 @@ def largest_norm(B: Callable[[NDArray], NDArray], domain: Domain) -> Peak:
     if domain.name == "postures":
         return Peak(float(norm[best]), domain.q[best])
 
-    def size(rows: NDArray) -> NDArray:
-        length = np.linalg.norm(rows[:, 4:], axis=-1)
-        return np.linalg.norm(bilinear_value(B(rows[:, :4]), rows[:, 4:]), axis=-1) / length**2
+    def follow(q: NDArray, x: NDArray) -> tuple[NDArray, NDArray]:
+        return by_turns(np.zeros((4, 4)), B(q), x, turns=2)
 
-    starts = [np.concatenate([domain.q[i], vector[i]]) for i in peaks(norm, domain)]
-    value, row = max((climb(size, start, domain) for start in starts), key=lambda top: top[0])
-    return Peak(value, row[:4])
+    return _climb(follow, norm, vector, domain)
 
 
-def peaks(values: NDArray, domain: Domain, count: int = _STARTS) -> list[int]:
-    """Indices of the highest points of the grid that are not neighbours of each other."""
-    cell = (domain.upper - domain.lower)[1:] / (_CELLS[domain.name] - 1)
+def heaviest(parts: Parts, domain: Domain) -> Peak:
+    """Largest x^T A x + ||B(x, x)|| over unit x and the domain.
+
+    Args:
+        parts: from postures (n, 4) to A (n, 4, 4), positive semidefinite, and B (n, m, 4, 4).
+        domain: where.
+    """
+    values, vectors = widest(*parts(domain.q))
+    best = int(np.argmax(values))
+    if domain.name == "postures":
+        return Peak(float(values[best]), domain.q[best])
+
+    def follow(q: NDArray, x: NDArray) -> tuple[NDArray, NDArray]:
+        return by_turns(*parts(q), x, turns=2)
+
+    return _climb(follow, values, vectors, domain)
+
+
+def _climb(follow: Callable, values: NDArray, vectors: NDArray, domain: Domain) -> Peak:
+    """The highest top reached uphill from the best points of the grid.
+
+    Args:
+        follow: from postures and a vector for each to values and the vectors changed for the
+            better; it may be anything that belongs to a posture.
+        values, vectors: what is known on the grid.
+    """
+    starts = _starts(values, domain)
+    q, x, height = domain.q[starts], vectors[starts], values[starts]
+    step, row = np.tile(_cell(domain), (len(starts), 1)), np.arange(len(starts))
+    leap = np.zeros((len(starts), 3))
+    for _ in range(_ROUNDS):
+        moves = np.concatenate([np.tile(_STENCIL, (len(q), 1, 1)), leap[:, None]], axis=1)
+        tried = q[:, None] + np.pad(moves * step[:, None], ((0, 0), (0, 0), (1, 0)))
+        if domain.name == "box":
+            tried = np.clip(tried, domain.lower, domain.upper)
+        found, followed = follow(tried.reshape(-1, 4), np.repeat(x, moves.shape[1], axis=0))
+        found = found.reshape(len(q), -1)
+        followed = followed.reshape(*found.shape, x.shape[-1])
+        best = found.argmax(axis=-1)
+        leap = _leap(((tried - q[:, None])[:, :, 1:] / step[:, None])[:, :-1], found[:, :-1])
+        leap -= ((tried[row, best] - q)[:, 1:]) / step
+        higher = found[row, best] > height
+        flat = found[row, best] <= height * (1 + _GAIN)
+        q[higher], x[higher] = tried[row, best][higher], followed[row, best][higher]
+        height = np.maximum(height, found[row, best])
+        step[flat], leap[flat] = step[flat] * 0.4, leap[flat] / 0.4
+        if step.max() < _FINEST:
+            break
+    top = int(np.argmax(height))
+    return Peak(float(height[top]), q[top])
+
+
+def _leap(moves: NDArray, values: NDArray) -> NDArray:
+    """Where the parabola through the stencil has its top, at most a few steps away, (s, 3).
+
+    Without it, a narrow ridge askew to the axes takes very many steps.
+
+    Args:
+        moves: points tried, in steps from the middle, shape (s, 27, 3).
+        values: theirs, shape (s, 27).
+    """
+    i, j = np.triu_indices(3)
+    one = np.ones((*values.shape, 1))
+    fit = np.linalg.pinv(np.concatenate([one, moves, moves[..., i] * moves[..., j]], axis=-1))
+    shape = (fit @ values[..., None])[..., 0]
+    slope, curved = shape[:, 1:4], np.zeros((len(values), 3, 3))
+    curved[:, i, j] += shape[:, 4:]
+    curved[:, j, i] += shape[:, 4:]
+    bend, axes = np.linalg.eigh(curved)
+    bend = np.maximum(np.abs(bend), 1e-9 * np.abs(bend).max(axis=-1, keepdims=True) + 1e-300)
+    leap = (axes @ ((np.swapaxes(axes, -1, -2) @ slope[..., None])[..., 0] / bend)[..., None])[
+        ..., 0
+    ]
+    return leap * np.minimum(1, _FARTHEST / np.maximum(np.abs(leap).max(axis=-1), 1e-300))[:, None]
+
+
+def _starts(values: NDArray, domain: Domain) -> list[int]:
+    """Indices of the grid's highest points, and of the highest that no neighbour exceeds."""
+    grid = values.reshape((_CELLS[domain.name],) * 3)
+    edge = {"mode": "wrap"} if domain.name == "torus" else {"constant_values": -np.inf}
+    around = sliding_window_view(np.pad(grid, 1, **edge), (3, 3, 3)).max(axis=(-3, -2, -1))
+    order = np.argsort(values)[::-1]
+    tops = order[values[order] == around.ravel()[order]]
+    chosen = _without_repetitions(tops, values, domain) + _without_repetitions(
+        order, values, domain
+    )
+    return sorted(set(chosen))
+
+
+def _without_repetitions(order: NDArray, values: NDArray, domain: Domain) -> list[int]:
+    """The first few of `order`; what one joint does not change is the same all along it."""
     chosen: list[int] = []
-    for i in np.argsort(values)[::-1]:
-        apart = np.abs(domain.q[i, 1:] - domain.q[chosen, 1:]) / cell
-        if (apart.max(axis=-1) > 1.5).all():
+    for i in order[:_LOOKED_AT]:
+        same = np.abs(values[i] - values[chosen]) <= 1e-9 * abs(values[i])
+        beside = (domain.q[i] != domain.q[chosen]).sum(axis=-1) == 1
+        if not (same & beside).any():
             chosen.append(int(i))
-        if len(chosen) == count:
+        if len(chosen) == _EACH:
             break
     return chosen
 
 
-def climb(f: Callable[[NDArray], NDArray], start: NDArray, domain: Domain) -> tuple[float, NDArray]:
-    """The top that is reached from `start` uphill, its posture kept within a box.
-
-    Args:
-        f: from rows (n, m) to values (n,); the first four of a row are a posture, the rest is free.
-        start: a row, shape (m,), where f is positive.
-        domain: box or torus.
-
-    Returns:
-        The value and the row.
-    """
-    from scipy.optimize import minimize
-
-    start = np.asarray(start, dtype=float)
-    size = len(start)
-    steps = _STEP * np.vstack([np.eye(size)[1:], -np.eye(size)[1:]])
-    scale = abs(float(f(start[None])[0])) or 1.0
-
-    def downhill(free: NDArray) -> tuple[float, NDArray]:
-        x = np.concatenate([[start[0]], free])
-        here, *around = f(np.vstack([x, x + steps])) / -scale
-        ahead, behind = np.split(np.array(around), 2)
-        return here, (ahead - behind) / (2 * _STEP)
-
-    sides = [(None, None)] * (size - 1)
-    if domain.name == "box":
-        sides[:3] = zip(domain.lower[1:], domain.upper[1:], strict=True)
-    found = minimize(
-        downhill,
-        start[1:],
-        jac=True,
-        method="L-BFGS-B",
-        bounds=sides,
-        options={"ftol": 1e-15, "gtol": 1e-10},
-    )
-    return -float(found.fun) * scale, np.concatenate([[start[0]], found.x])
+def _cell(domain: Domain) -> NDArray:
+    """Sides of a cell of the grid, (3,) [rad]."""
+    cells = _CELLS[domain.name] - (domain.name == "box")
+    return (domain.upper - domain.lower)[1:] / cells

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.dynamics import mass_matrix, mass_matrix_derivative
 from backhoe.lyapunov import extremes
 from backhoe.lyapunov.certificate import Certificate, check_gains
-from backhoe.lyapunov.conditions import Gains, heaviest, route_named
+from backhoe.lyapunov.conditions import Gains, damping_per_alpha, route_named
 from backhoe.lyapunov.extremes import Constants
 from backhoe.lyapunov.gains import gain_matrix, positive
 from backhoe.lyapunov.sampling import effective_inertia, sampled_radius
@@ -171,7 +171,7 @@ def _shape(route: str, error: float, c: Constants) -> NDArray:
         )
         return top.value * weights
     weights = _heaviest_diagonal(c, error)
-    return heaviest(np.diag(weights), error, c.over, c.machine) * weights
+    return damping_per_alpha(np.diag(weights), error, c.over, c.machine) * weights
 
 
 def _heaviest_diagonal(c: Constants, error: float = 0.0) -> NDArray:

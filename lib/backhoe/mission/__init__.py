@@ -1,20 +1,36 @@
-"""The mission: dig, swing and load the truck, with parts that a student can replace.
+"""The missions: load the truck, or drive a route, with parts that a student can replace.
 
-`run()` drives the simulated machine along way-points with the library's parts; `run(name=mine)`
-swaps one in. `PARTS` says what each part takes and gives. `score` sets a run beside the same run
-with the library's parts only. This is the one package that knows all parts.
+`run()` digs and loads with the library's parts, `drive()` drives along a path; `run(name=mine)` and
+`drive(name=mine)` swap one in. `PARTS` and `DRIVE_PARTS` say what each part takes and gives.
+`score` sets a run beside the same run with the library's parts only. This is the one package that
+knows all parts.
 """
 
-from backhoe.mission.drive import Run, run
-from backhoe.mission.parts import PARTS, Part, WayPoint, hand_made_plan, parts, smooth_trajectory
-from backhoe.mission.score import Score, score
+from backhoe.mission.driving import DriveRun, drive
+from backhoe.mission.loading import Run, run
+from backhoe.mission.parts import (
+    DRIVE_PARTS,
+    PARTS,
+    Part,
+    WayPoint,
+    hand_made_plan,
+    parts,
+    smooth_trajectory,
+)
+from backhoe.mission.route import default_route
+from backhoe.mission.score import DriveScore, Score, score
 
 __all__ = [
+    "DRIVE_PARTS",
     "PARTS",
+    "DriveRun",
+    "DriveScore",
     "Part",
     "Run",
     "Score",
     "WayPoint",
+    "default_route",
+    "drive",
     "hand_made_plan",
     "parts",
     "run",

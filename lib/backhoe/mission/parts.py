@@ -5,6 +5,7 @@ The library's own plan and trajectory are here; the other parts are taught in le
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import cos, radians, sin
 
@@ -62,6 +63,20 @@ PARTS = {
         "10",
     ),
 }
+
+DRIVE_PARTS = {
+    "velocity_controller": Part(
+        "velocity_controller(v_ref, omega_ref, v, omega, dt) -> left, right",
+        "forces of the tracks [N] from wanted and measured speeds [m/s, rad/s]",
+        "04",
+    ),
+    "tracker": Part(
+        "tracker(pose, twist, goal, dt) -> v, omega",
+        "speeds [m/s, rad/s] from x, y, heading [m, rad], measured speeds and a tracking.Goal",
+        "05",
+    ),
+}
+"""What `drive` takes. Localisation will stand between the machine and these two."""
 
 
 STROKE = (
@@ -121,7 +136,7 @@ def smooth_trajectory(times: NDArray, q_way: NDArray, t: NDArray) -> tuple[NDArr
     return path(t), path.derivative()(t)
 
 
-def parts() -> str:
-    """The parts that `run` takes, one a line: call, meaning, lesson."""
-    lines = (f"{part.call}\n    {part.meaning}; lesson {part.lesson}" for part in PARTS.values())
+def parts(table: Mapping[str, Part] = PARTS) -> str:
+    """Parts one a line, with call, meaning and lesson: those of `run`, or `DRIVE_PARTS`."""
+    lines = (f"{part.call}\n    {part.meaning}; lesson {part.lesson}" for part in table.values())
     return "\n".join(lines)

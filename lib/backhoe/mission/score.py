@@ -1,15 +1,18 @@
-"""What a run is worth: soil, time and errors, beside the library's own run."""
+"""What a run is worth, beside the library's own run."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from backhoe import sim
 from backhoe.machine import Machine
-from backhoe.mission.drive import Run, run
+from backhoe.mission.driving import DriveRun, drive
+from backhoe.mission.loading import Run, run
+from backhoe.tracking import Path
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,6 @@ class Score:
     reference: Score | None = None
 
     def __str__(self) -> str:
-        columns = [self] if self.reference is None else [self, self.reference]
         rows = [
             ("soil in the truck [m^3]", "{:.1f}", lambda score: score.soil),
             ("time [s]", "{:.1f}", lambda score: score.time),
@@ -38,14 +40,52 @@ class Score:
             ("bucket error [deg]", "{:.0f}", lambda score: np.degrees(score.bucket_error)),
             ("error in the air [deg]", "{:.1f}", lambda score: np.degrees(score.tracking)),
         ]
-        heads = ["yours" if self.swapped else "library", "library"][: len(columns)]
-        parts = ", ".join(self.swapped) or "none"
-        lines = [f"swapped in: {parts}", " " * 24 + "".join(f"{head:>10}" for head in heads)]
-        lines += [
-            f"{label:<24}" + "".join(f"{form.format(value(score)):>10}" for score in columns)
-            for label, form, value in rows
+        return _table(self, rows)
+
+
+@dataclass(frozen=True)
+class DriveScore:
+    """A drive in seven numbers, beside the reference drive.
+
+    `distance` the mean and `farthest` the largest distance from the path [m], `way` the length
+    driven over that of the path, `late` by which delay the drive is explained best [s] (NaN without
+    times), `time` [s], `push` the root mean square of the tracks' forces [N] (NaN without tracks),
+    `reached` whether it arrived.
+    """
+
+    distance: float
+    farthest: float
+    way: float
+    late: float
+    time: float
+    push: float
+    reached: bool
+    swapped: tuple[str, ...] = ()
+    reference: DriveScore | None = None
+
+    def __str__(self) -> str:
+        rows = [
+            ("mean distance [cm]", "{:.1f}", lambda score: 100 * score.distance),
+            ("largest distance [cm]", "{:.1f}", lambda score: 100 * score.farthest),
+            ("way driven / path", "{:.2f}", lambda score: score.way),
+            ("late by [s]", "{:.1f}", lambda score: round(score.late, 1) + 0.0),
+            ("time [s]", "{:.1f}", lambda score: score.time),
+            ("force of a track [kN]", "{:.0f}", lambda score: score.push / 1e3),
+            ("arrived", "{}", lambda score: "yes" if score.reached else "no"),
         ]
-        return "\n".join(lines)
+        return _table(self, rows)
+
+
+def _table(score: Score | DriveScore, rows: list[tuple[str, str, Callable]]) -> str:
+    columns = [score] if score.reference is None else [score, score.reference]
+    heads = ["yours" if score.swapped else "library", "library"][: len(columns)]
+    parts = ", ".join(score.swapped) or "none"
+    lines = [f"swapped in: {parts}", " " * 24 + "".join(f"{head:>10}" for head in heads)]
+    lines += [
+        f"{label:<24}" + "".join(f"{form.format(value(column)):>10}" for column in columns)
+        for label, form, value in rows
+    ]
+    return "\n".join(lines)
 
 
 def _measure(run: Run) -> Score:
@@ -67,20 +107,70 @@ def _reference_score(cycles: int, machine: Machine, scene: sim.Scene, backend: s
         return _measure(run(cycles=cycles, world=world))
 
 
-def score(run: Run) -> Score:
-    """Measure a run beside the same number of cycles with the library's parts only.
+def _measure_drive(run: DriveRun) -> DriveScore:
+    push = np.nan if run.traction is None else np.sqrt(np.mean(run.traction[1:] ** 2))
+    return DriveScore(
+        distance=run.metrics.d_mean,
+        farthest=run.metrics.d_max,
+        way=run.metrics.d_ratio,
+        late=run.assessment.lag,
+        time=float(run.time[-1]),
+        push=float(push),
+        reached=run.reached,
+        swapped=run.swapped,
+    )
+
+
+@lru_cache(maxsize=8)
+def _reference_drive(
+    points: bytes, times: bytes | None, mode: str, pose: bytes, machine: Machine, backend: str
+) -> DriveScore:
+    path = Path(
+        np.frombuffer(points).reshape(-1, 2), None if times is None else np.frombuffer(times)
+    )
+    start = np.frombuffer(pose)
+    return _measure_drive(drive(path=path, mode=mode, machine=machine, backend=backend, pose=start))
+
+
+def _score_drive(run: DriveRun) -> DriveScore:
+    measured = _measure_drive(run)
+    if not run.swapped or run.own_plant:
+        return measured
+    path, times = run.path, run.path.times
+    reference = _reference_drive(
+        path.points.tobytes(),
+        None if times is None else times.tobytes(),
+        run.mode,
+        run.pose[0].tobytes(),
+        run.machine,
+        run.backend,
+    )
+    return replace(measured, reference=reference)
+
+
+def score(run: Run | DriveRun) -> Score | DriveScore:
+    """Measure a run beside the same run with the library's parts only.
 
     The reference runs in a new world of the same scene, by the same backend if it is the library's.
+    A drive with a plant of your own has no reference: drive the plant again without your tracker.
 
     Args:
-        run: what `mission.run` returned.
+        run: what `mission.run` or `mission.drive` returned.
 
     Returns:
         The score; `print` shows it beside the reference.
+
+    Raises:
+        TypeError: run is something else.
     """
+    if isinstance(run, DriveRun):
+        return _score_drive(run)
+    if not isinstance(run, Run):
+        raise TypeError(f"score takes what mission.run or mission.drive returned, got {run!r}")
     measured = _measure(run)
     if not run.swapped:
         return measured
     backend = run.backend if run.backend in sim.BACKENDS else "auto"
-    reference = _reference_score(run.cycles, run.machine, run.scene, backend)
-    return Score(**{**vars(measured), "reference": reference})
+    return replace(
+        measured, reference=_reference_score(run.cycles, run.machine, run.scene, backend)
+    )

@@ -27,6 +27,7 @@ from backhoe.sim.rover_urdf import rover_urdf
 if TYPE_CHECKING:
     from backhoe.motor import Motor, WheelGains
     from backhoe.skid_steer import Vehicle
+    from backhoe.tracking import Limits
 
 __all__ = ["AnalyticRover", "Rover"]
 
@@ -35,6 +36,9 @@ STEP = 0.001
 
 GROUP = 5
 """Steps of the wheels for one of a body in PyBullet, if the sample time allows."""
+
+_USABLE = 0.9
+"""Share of a motor's speed without load that a vehicle can use."""
 
 _TOLERANCE = 1e-6
 _CALL = "wheel_controller(reference (4,), measured (4,)) -> voltage (4,)"
@@ -149,6 +153,14 @@ class Rover:
     def loads(self) -> NDArray:
         """Weight on each wheel, shape (4,) [N]."""
         return self._loads.copy()
+
+    @property
+    def limits(self) -> Limits:
+        """Speeds that the wheels can drive; `tracking.follow` keeps to them, turning first."""
+        from backhoe.tracking import Limits
+
+        fastest = _USABLE * self.motor.no_load_speed
+        return Limits(fastest, self.vehicle.wheel_radius, self._half_track)
 
     @property
     def urdf(self) -> str:

@@ -19,11 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe import sim
 from backhoe.machine import BACKHOE, Machine
 from backhoe.reals import real_array
-from backhoe.travel.posture import POSTURE, Hold
+from backhoe.travel.posture import POSTURE
 from backhoe.travel.velocity import VelocityPI
 
 if TYPE_CHECKING:
     from backhoe.sim.loop import Loop
+    from backhoe.tracking import Limits
 
 __all__ = ["TrackedPlant"]
 
@@ -62,6 +63,8 @@ class TrackedPlant:
         scene: sim.Scene = sim.FLAT,
         pose: ArrayLike | None = None,
     ) -> None:
+        from backhoe.travel.hold import Hold
+
         if isinstance(controller, type) or not (controller is None or callable(controller)):
             raise TypeError(f"controller must be a function or an object: {_CALL}")
         self._opened = world is None
@@ -100,6 +103,13 @@ class TrackedPlant:
         dx, dy, _ = self.world.twist
         heading = self.world.pose[2]
         return float(dy * cos(heading) - dx * sin(heading))
+
+    @property
+    def limits(self) -> Limits:
+        """Speeds that the tracks can drive; `tracking.follow` keeps to them, turning first."""
+        from backhoe.tracking import Limits
+
+        return Limits.of_tracks(self.machine)
 
     @property
     def traction(self) -> NDArray:

@@ -1,4 +1,4 @@
-"""Driving the machine along way-points with the library's parts, or with a student's."""
+"""Digging and loading along way-points with the library's parts, or with a student's."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from backhoe import dynamics, kinematics, pid, sim
 from backhoe.machine import BACKHOE, JOINTS, Machine
+from backhoe.mission.asking import asked, checked_part, numbers
 from backhoe.mission.parts import PARTS, WayPoint, hand_made_plan, smooth_trajectory
 from backhoe.reals import real_array
 
@@ -73,33 +74,9 @@ class Run:
         return self.recorder.replay(title=title, alt=alt)
 
 
-def _asked(name: str, part: Callable, *arguments: object) -> object:
-    """What a student's part returns for copies of the arguments; its errors name the part."""
-    copies = [value.copy() if isinstance(value, np.ndarray) else value for value in arguments]
-    try:
-        return part(*copies)
-    except (TypeError, ValueError) as error:
-        kind = TypeError if isinstance(error, TypeError) else ValueError
-        raise kind(f"your {name} failed: {error}. It is {PARTS[name].call}") from error
-    except Exception as error:
-        error.add_note(f"This happened in your {name}. It is {PARTS[name].call}")
-        raise
-
-
-def _numbers(name: str, what: str, value: object, shape: tuple[int, ...]) -> NDArray:
-    call = PARTS[name].call
-    value = real_array(value, f"{what} must be numbers, it is {call}")
-    if value.shape != shape:
-        raise ValueError(f"{what} must return shape {shape}, got {value.shape}. It is {call}")
-    if not np.isfinite(value).all():
-        bad = value[~np.isfinite(value)][0]
-        raise ValueError(f"{what} returned a value that is not finite: {bad}")
-    return value
-
-
 def _checked(name: str, part: Callable) -> Callable:
     def call(*arguments: object) -> NDArray:
-        return _numbers(name, f"your {name}", _asked(name, part, *arguments), (4,))
+        return numbers(name, f"your {name}", asked(name, part, *arguments), (4,))
 
     return call
 
@@ -107,7 +84,7 @@ def _checked(name: str, part: Callable) -> Callable:
 def _plan(plan: Callable, cycles: int) -> list[WayPoint]:
     waypoints = []
     for cycle in range(cycles):
-        of_cycle = _asked("plan", plan, cycle)
+        of_cycle = asked("plan", plan, cycle)
         if not isinstance(of_cycle, Iterable):
             raise ValueError(f"{_WANTED_PLAN}, got {of_cycle!r}")
         waypoints += of_cycle
@@ -197,10 +174,7 @@ def run(
     }
     given = {name: part for name, part in offered.items() if part is not None}
     for name, part in given.items():
-        if isinstance(part, type):
-            raise TypeError(f"{name} is the class {part.__name__}: make one, {part.__name__}(...)")
-        if not callable(part):
-            raise TypeError(f"{name} must be a function: {PARTS[name].call}, got {part!r}")
+        checked_part(name, part)
     if world is not None:
         return _drive(world, cycles, given, record)
     with sim.open_world(machine, backend=backend) as opened:
@@ -276,12 +250,12 @@ def _followers(given: dict[str, Callable], machine: Machine) -> list[Callable]:
 def _reference(
     trajectory: Callable, times: NDArray, q_way: NDArray, t: NDArray
 ) -> tuple[NDArray, NDArray]:
-    pair = _asked("trajectory", trajectory, times, q_way, t)
+    pair = asked("trajectory", trajectory, times, q_way, t)
     if not (isinstance(pair, tuple | list) and len(pair) == 2):
         call = PARTS["trajectory"].call
         raise ValueError(f"your trajectory must return two arrays. It is {call}")
     angles, speeds = (
-        _numbers("trajectory", f"your trajectory ({name})", value, (len(t), 4))
+        numbers("trajectory", f"your trajectory ({name})", value, (len(t), 4))
         for name, value in zip(("angles", "speeds"), pair, strict=True)
     )
     return angles, speeds

@@ -1,0 +1,262 @@
+"""Driving the machine along a path with the library's parts, or with a student's.
+
+The tracker looks at where the machine is and says how fast to drive; the velocity controller makes
+forces of that. Both are told the truth as yet: `_Watched` is where localisation will come in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.machine import BACKHOE, Machine
+from backhoe.mission.asking import asked, checked_part, numbers
+from backhoe.mission.parts import DRIVE_PARTS
+from backhoe.mission.route import SPEED, default_route
+from backhoe.tracking import Assessment, Metrics, Path, PurePursuit, assess, follow
+from backhoe.travel import TrackedPlant
+
+if TYPE_CHECKING:
+    from backhoe.replay import Recorder, Replay
+
+__all__ = ["LOOKAHEAD", "DriveRun", "drive"]
+
+LOOKAHEAD = 0.6
+"""Of the library's tracker, pure pursuit [m]: ours, for this machine."""
+
+_PATH_COLOUR = (0.13, 0.35, 0.75, 1.0)
+
+
+@dataclass(eq=False)
+class DriveRun:
+    """What happened, one row for each sample and one for the end.
+
+    `time` (n,) [s]; `pose` (n, 3) = x, y, heading [m, m, rad]; `reference` (n, 2), the goal's
+    position [m]; `twist` (n, 2) measured and `command` (n, 2) wanted [m/s, rad/s]; `traction`
+    (n, 2), the forces of the left and right track until that time [N], None for a plant without
+    tracks; `metrics` and `assessment` as in `tracking`; `reached` whether it arrived; `swapped`
+    names the student's parts; `path`, `mode`, `machine`, `backend`, `dt` and `pose[0]` say what was
+    driven.
+    """
+
+    swapped: tuple[str, ...]
+    path: Path
+    mode: str
+    time: NDArray
+    pose: NDArray
+    reference: NDArray
+    twist: NDArray
+    command: NDArray
+    traction: NDArray | None
+    metrics: Metrics
+    assessment: Assessment
+    reached: bool
+    dt: float
+    machine: Machine | None
+    backend: str
+    own_plant: bool
+    recorder: Recorder | None = field(default=None, repr=False)
+
+    def replay(
+        self,
+        title: str = "Drive a route",
+        alt: str = "3D replay of the machine driving along a path",
+    ) -> Replay:
+        """The run as a 3D replay for the notebook, with the path drawn on the ground.
+
+        Args:
+            title: what stands above it.
+            alt: what it shows, for readers who do not see it.
+
+        Raises:
+            ValueError: the run was not recorded, or title or alt is empty.
+        """
+        from backhoe.replay.recording import Line
+
+        if self.recorder is None:
+            raise ValueError("this run was not recorded: call mission.drive(record=True)")
+        points = np.column_stack([self.path.points, np.full(len(self.path.points), 0.03)])
+        return self.recorder.replay(title=title, alt=alt, lines=(Line(points, _PATH_COLOUR),))
+
+
+def drive(
+    *,
+    path: Path | None = None,
+    tracker: Callable | None = None,
+    velocity_controller: Callable | None = None,
+    mode: str | None = None,
+    plant: object | None = None,
+    machine: Machine = BACKHOE,
+    backend: str = "auto",
+    pose: ArrayLike | None = None,
+    time_limit: float | None = None,
+    record: bool = False,
+    **unknown: object,
+) -> DriveRun:
+    """Drive along a path with the library's parts, or with yours in their place.
+
+    Args:
+        path: where to drive; default `default_route`, a G of about a minute.
+        tracker, velocity_controller: your parts; `DRIVE_PARTS` gives the call of each. What is left
+            out is the library's: pure pursuit and `travel.VelocityPI`.
+        mode: "path" or "trajectory" as in `tracking.follow`; default trajectory if the path has
+            times.
+        plant: what is driven, such as a rover or `skid_steer.Plant`; default the machine on its
+            tracks. It is driven from where it stands and left open.
+        machine, backend: of the machine on its tracks, as in `sim.open_world`.
+        pose: where that machine starts, x, y, heading, shape (3,) [m, m, rad]; default the origin.
+        time_limit: end of the run at the latest [s].
+        record: keep what the 3D replay needs.
+
+    Returns:
+        The run, with its log.
+
+    Raises:
+        ValueError: a part that returns the wrong shape or values that are not finite, a mode that
+            the path has no times for, or a pose or velocity_controller for a plant of your own.
+        TypeError: a part of an unknown name, or one that cannot be called, or a path that is none.
+    """
+    if unknown:
+        names = ", ".join(DRIVE_PARTS)
+        raise TypeError(f"unknown part {next(iter(unknown))!r}: the parts are {names}")
+    offered = {"velocity_controller": velocity_controller, "tracker": tracker}
+    given = {name: part for name, part in offered.items() if part is not None}
+    for name, part in given.items():
+        checked_part(name, part)
+    path = default_route() if path is None else path
+    if not isinstance(path, Path):
+        raise TypeError(f"path must be a tracking.Path, got {path!r}: make one, from_points(...)")
+    mode = ("path" if path.times is None else "trajectory") if mode is None else mode
+    settings = path, mode, given, time_limit, record
+    if plant is not None:
+        if velocity_controller is not None or pose is not None:
+            raise ValueError(
+                "velocity_controller and pose are those of the machine on its tracks: a plant of "
+                "your own brings them along, such as travel.TrackedPlant(controller=..., pose=...)"
+            )
+        return _drive(plant, *settings, own_plant=True)
+    controller = _checked_controller(velocity_controller)
+    with TrackedPlant(machine=machine, backend=backend, pose=pose, controller=controller) as opened:
+        return _drive(opened, *settings, own_plant=False)
+
+
+def _drive(
+    plant: object,
+    path: Path,
+    mode: str,
+    given: dict[str, Callable],
+    time_limit: float | None,
+    record: bool,
+    own_plant: bool,
+) -> DriveRun:
+    watched = _Watched(plant, _recorder(plant) if record else None)
+    own = given.get("tracker")
+    tracker = PurePursuit(lookahead=LOOKAHEAD) if own is None else _CheckedTracker(own)
+    run = follow(tracker, watched, path, mode=mode, time_limit=time_limit, speed=SPEED)
+    assessment = assess(run)
+    return DriveRun(
+        swapped=tuple(given),
+        path=path,
+        mode=mode,
+        time=run.time,
+        pose=run.pose,
+        reference=run.goal,
+        twist=run.twist,
+        command=run.command,
+        traction=watched.traction,
+        metrics=run.metrics,
+        assessment=assessment,
+        reached=run.reached,
+        dt=watched.dt,
+        machine=getattr(plant, "machine", None),
+        backend=getattr(plant, "backend", "own"),
+        own_plant=own_plant,
+        recorder=watched.recorder,
+    )
+
+
+class _Watched:
+    """A plant whose tractions are logged and whose frames are kept."""
+
+    def __init__(self, plant: object, recorder: Recorder | None) -> None:
+        self._plant, self.recorder, self.dt = plant, recorder, plant.dt
+        self._traction = [self._now()]
+        limits = getattr(plant, "limits", None)
+        if limits is not None:
+            self.limits = limits
+        self._capture()
+
+    @property
+    def pose(self) -> NDArray:
+        return self._plant.pose
+
+    @property
+    def twist(self) -> NDArray:
+        return self._plant.twist
+
+    @property
+    def time(self) -> float:
+        return self._plant.time
+
+    @property
+    def traction(self) -> NDArray | None:
+        return None if self._traction[0] is None else np.array(self._traction)
+
+    def step(self, v: float, omega: float) -> None:
+        self._plant.step(v, omega)
+        self._traction.append(self._now())
+        self._capture()
+
+    def _now(self) -> NDArray | None:
+        return getattr(self._plant, "traction", None)
+
+    def _capture(self) -> None:
+        if self.recorder is not None:
+            self.recorder.capture()
+
+
+class _CheckedTracker:
+    """A student's tracker: it gets copies, but for the read-only path; its errors name it."""
+
+    def __init__(self, tracker: Callable) -> None:
+        self._tracker = tracker
+
+    def reset(self) -> None:
+        if callable(getattr(self._tracker, "reset", None)):
+            self._tracker.reset()
+
+    def __call__(self, pose: NDArray, twist: NDArray, goal: object, dt: float) -> NDArray:
+        places = goal.position.copy(), goal.next_position.copy()
+        goal = goal._replace(position=places[0], next_position=places[1])
+        answer = asked("tracker", self._tracker, pose, twist, goal, dt)
+        return numbers("tracker", "your tracker", answer, (2,))
+
+
+def _checked_controller(part: Callable | None) -> Callable | None:
+    """A student's velocity controller with its answers and errors named."""
+    if part is None:
+        return None
+    if callable(getattr(part, "reset", None)):
+        part.reset()
+
+    def controller(*speeds: float) -> NDArray:
+        answer = asked("velocity_controller", part, *speeds)
+        return numbers("velocity_controller", "your velocity_controller", answer, (2,))
+
+    return controller
+
+
+def _recorder(plant: object) -> Recorder:
+    from backhoe.replay import Recorder
+
+    seen = getattr(plant, "world", plant)
+    if not (hasattr(seen, "machine") or hasattr(seen, "wheel_angles")):
+        raise ValueError(
+            "record=True needs something to look at: the machine on its tracks or a rover of "
+            f"sim.open_rover, got {type(plant).__name__}"
+        )
+    return Recorder(seen)

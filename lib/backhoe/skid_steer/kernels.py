@@ -63,13 +63,11 @@ def room() -> NDArray:
 
 # Parts of the working space: the body's inverse (3, 3), B (3, 4), C (4, 3), the wheels' diagonal
 # (4), then rates, right side, new state and four stages of 10 each.
-_INVERSE, _B, _C, _D, _F, _RIGHT, _NEW, _K = 0, 9, 21, 33, 37, 47, 57, 67
-_ROOM = _K + 40
+_INVERSE, _B, _C, _D, _F, _RIGHT, _NEW = 0, 9, 21, 33, 37, 47, 57
+_K1, _K2, _K3, _K4, _ROOM = 67, 77, 87, 97, 107
 
 _LONGEST, _SHORTEST = 5.0, 0.2
-_A = np.array([(0, 0, 0), (0, 0, 0), (2, 0, 0), (2, 0, 1.0)])
-_MIX = np.array([(0, 0, 0), (4, 0, 0), (1, -1, 0), (1, -1, -8 / 3)])
-_GAMMA = 0.5
+"""By how much the next step may change."""
 
 
 @njit
@@ -151,7 +149,7 @@ def _factorise(y, diagonal, p, w):
 
 
 @njit
-def _solve(y, diagonal, right, w, k):
+def _solve(y, c, s, diagonal, right, w, k):
     """Solve (diagonal - df/dy) k = right with what `_factorise` left in w."""
     r0, r1, r2 = right[3], right[4], right[5]
     for i in range(4):
@@ -163,10 +161,9 @@ def _solve(y, diagonal, right, w, k):
     k[4] = w[3] * r0 + w[4] * r1 + w[5] * r2
     k[5] = w[6] * r0 + w[7] * r1 + w[8] * r2
     for i in range(4):
-        c = _C + 3 * i
-        body = w[c] * k[3] + w[c + 1] * k[4] + w[c + 2] * k[5]
+        at = _C + 3 * i
+        body = w[at] * k[3] + w[at + 1] * k[4] + w[at + 2] * k[5]
         k[6 + i] = (right[6 + i] + body) * w[_D + i]
-    c, s = cos(y[2]), sin(y[2])
     k[2] = (right[2] + k[5]) / diagonal
     k[0] = (right[0] + c * k[3] - s * k[4] - (s * y[3] + c * y[4]) * k[2]) / diagonal
     k[1] = (right[1] + s * k[3] + c * k[4] + (c * y[3] - s * y[4]) * k[2]) / diagonal
@@ -175,28 +172,33 @@ def _solve(y, diagonal, right, w, k):
 @njit
 def step(y, drive, p, h, tolerance, w):
     """One RODAS3 step of h: the new state is left in w; returns the error over the tolerance."""
-    f, right, new = w[_F:_RIGHT], w[_RIGHT:_NEW], w[_NEW:_K]
-    diagonal = 1 / (h * _GAMMA)
+    f, right, new = w[_F:_RIGHT], w[_RIGHT:_NEW], w[_NEW:_K1]
+    k1, k2, k3, k4 = w[_K1:_K2], w[_K2:_K3], w[_K3:_K4], w[_K4:_ROOM]
+    diagonal, c, s = 2 / h, cos(y[2]), sin(y[2])
     _factorise(y, diagonal, p, w)
-    for stage in range(4):
-        k = w[_K + 10 * stage : _K + 10 * stage + 10]
-        for j in range(10):
-            new[j], right[j] = y[j], 0.0
-            for earlier in range(stage):
-                past = w[_K + 10 * earlier + j]
-                new[j] += _A[stage][earlier] * past
-                right[j] += _MIX[stage][earlier] * past / h
-        if stage != 1:
-            rate(new, drive, p, f)
-        for j in range(10):
-            right[j] += f[j]
-        _solve(y, diagonal, right, w, k)
+    rate(y, drive, p, f)
+    _solve(y, c, s, diagonal, f, w, k1)
+    for j in range(10):
+        right[j] = f[j] + 4 * k1[j] / h
+    _solve(y, c, s, diagonal, right, w, k2)
+    for j in range(10):
+        new[j] = y[j] + 2 * k1[j]
+    rate(new, drive, p, f)
+    for j in range(10):
+        right[j] = f[j] + (k1[j] - k2[j]) / h
+    _solve(y, c, s, diagonal, right, w, k3)
+    for j in range(10):
+        new[j] += k3[j]
+    rate(new, drive, p, f)
+    for j in range(10):
+        right[j] = f[j] + (k1[j] - k2[j] - 8 / 3 * k3[j]) / h
+    _solve(y, c, s, diagonal, right, w, k4)
     error = 0.0
     for j in range(10):
-        last = w[_K + 30 + j]
-        new[j] += last
-        error = max(error, abs(last) / (tolerance * (1 + (abs(new[j]) if j > 2 else 0.0))))
-    return error
+        new[j] += k4[j]
+        size = 1 + abs(new[j]) if j > 2 else 1.0
+        error = max(error, abs(k4[j]) / size)
+    return error / tolerance
 
 
 @njit(cache=True, nogil=True)

@@ -13,6 +13,15 @@ from backhoe.plots.dynamics import (
     weights,
 )
 from backhoe.plots.interactive import sliders
+from backhoe.plots.lyapunov import (
+    arm_constants,
+    certificates,
+    gain_demands,
+    gain_space,
+    joint_lines,
+    joint_movement,
+    margins,
+)
 from backhoe.plots.reach import reachable, singularities, velocity_ellipses, workspace
 from backhoe.plots.run import joint_tracking, soil
 from backhoe.plots.skid_steer import contacts, friction_laws, paths, stacked
@@ -26,7 +35,9 @@ __all__ = [
     "KINDS",
     "STAGES",
     "arm",
+    "arm_constants",
     "candidates",
+    "certificates",
     "contacts",
     "data_way",
     "draw_lines",
@@ -36,11 +47,16 @@ __all__ = [
     "frames",
     "friction_laws",
     "from_above",
+    "gain_demands",
+    "gain_space",
     "gravity_map",
     "holding",
+    "joint_lines",
+    "joint_movement",
     "joint_tracking",
     "least_eigenvalue",
     "lines",
+    "margins",
     "nearest",
     "paths",
     "png",

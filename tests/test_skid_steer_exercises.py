@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from backhoe import motor, skid_steer, travel
+from backhoe import motor, shapes, skid_steer, travel
 from backhoe.exercises.skid_steer import model, regulator, tracks, wheel_motor, wheels
 from backhoe.machine import BACKHOE
 from backhoe.pid import DigitalPID
@@ -143,3 +143,15 @@ def test_the_balance_of_moments_predicts_how_the_excavator_turns():
         left, right = excavator.belts
         measured = (right - left) / (2 * excavator.twist[1])
     assert measured == pytest.approx(brentq(moment, 1.001, 5.0), rel=0.005)
+
+
+def test_the_printed_cubes_have_the_printed_inertias():
+    box = shapes.box(np.full(3, -0.05), np.full(3, 0.05))
+    corners = box.vertices[box.faces]
+    a, b, c = (corners[:, i] for i in range(3))
+    sixth = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6
+    second = (a**2 + b**2 + c**2 + a * b + b * c + c * a) / 10
+    per_density = (sixth[:, None] * second).sum(axis=0)
+    per_mass = (per_density[0] + per_density[1]) / shapes.volume(box)
+    assert 0.6 * per_mass == pytest.approx(0.001)
+    assert 600 * per_mass == pytest.approx(1.0)

@@ -1,174 +1,221 @@
-"""Exercise 3.8: a sampled PID with a limit that it knows."""
+"""Exercise 3.8: a sampled PID for the four joints, with limits that it knows."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from backhoe.check import Exercise, Mistake
 
+Step = Callable[[NDArray, NDArray, NDArray], NDArray]
 
-def digital_pid(
-    reference: ArrayLike,
-    measured: ArrayLike,
-    kp: float,
-    ki: float,
-    kd: float,
+
+def digital_pid(kp: NDArray, ki: NDArray, kd: NDArray, dt: float, limit: NDArray) -> Step:
+    """A PID for n loops: step(reference, rate, measured) gives the outputs of one sample, (n,)."""
+    integral, last = np.zeros(len(kp)), None
+
+    def step(reference: NDArray, rate: NDArray, measured: NDArray) -> NDArray:
+        nonlocal integral, last
+        error = reference - measured
+        speed = rate if last is None else (measured - last) / dt
+        others = kp * error + kd * (rate - speed)
+        wanted = integral + ki * error * dt
+        over = (others + wanted > limit) & (wanted > integral)
+        under = (others + wanted < -limit) & (wanted < integral)
+        integral = np.where(over | under, integral, wanted)
+        last = np.array(measured)
+        return np.clip(others + integral, -limit, limit)
+
+    return step
+
+
+def _variant(
+    kp: NDArray,
+    ki: NDArray,
+    kd: NDArray,
     dt: float,
-    limit: float,
-) -> NDArray:
-    """Outputs of a PID, one for each sample, within +-limit and without wind-up, shape (n,)."""
-    outputs, integral, last = [], 0.0, measured[0]
-    for r, y in zip(reference, measured, strict=True):
-        others = kp * (r - y) - kd * (y - last) / dt
-        new = integral + ki * (r - y) * dt
-        if new > integral:
-            integral = min(new, max(integral, limit - others))
-        else:
-            integral = max(new, min(integral, -limit - others))
-        outputs.append(min(max(others + integral, -limit), limit))
-        last = y
-    return np.array(outputs)
-
-
-def _loop(
-    reference: ArrayLike,
-    measured: ArrayLike,
-    kp: float,
-    ki: float,
-    kd: float,
-    dt: float,
-    limit: float,
+    limit: NDArray,
     *,
-    of_error: bool = False,
-    first: float | None = None,
+    kick: bool = False,
+    start: str = "known",
     late: bool = False,
-    step: float | None = None,
+    sum_step: float | None = None,
     rate_step: float | None = None,
+    reference_rate: float = 1.0,
     rule: str = "inwards",
     limited: bool = True,
-) -> NDArray:
-    """The same PID with one thing changed; `rule` says when a saturated output may integrate."""
-    step, rate_step = dt if step is None else step, dt if rate_step is None else rate_step
-    outputs, integral, error_before, last = [], 0.0, 0.0, None
-    for r, y in zip(reference, measured, strict=True):
-        error = r - y
-        watched = error if of_error else -y
-        if last is None:
-            last = watched if first is None else first
-        others = kp * error + kd * (watched - last) / rate_step
-        new = integral + ki * step * (error_before if late else error)
-        free = others + new
-        outwards = (free > limit and new > integral) or (free < -limit and new < integral)
-        saturated = abs(free) > limit
-        may = {
-            "inwards": not outwards,
-            "always": True,
-            "unless saturated": not saturated,
-            "outwards": not saturated or outwards,
-        }[rule]
-        integral = new if may else integral
+    forgets: bool = False,
+) -> Step:
+    """The same PID with one thing changed; `rule` says when a loop at its limit may integrate."""
+    sum_step, rate_step = sum_step or dt, rate_step or dt
+    integral, before, last, error_before = np.zeros(len(kp)), np.zeros(len(kp)), None, None
+
+    def step(reference: NDArray, rate: NDArray, measured: NDArray) -> NDArray:
+        nonlocal integral, before, last, error_before
+        error = reference - measured
+        if kick:
+            change = 0 * error if error_before is None else (error - error_before) / rate_step
+        elif last is None:
+            change = reference_rate * rate - (rate if start == "known" else measured / rate_step)
+            change = change if reference_rate else 0 * rate
+        else:
+            change = reference_rate * rate - (measured - last) / rate_step
+        others = kp * error + kd * change
+        old = 0 * integral if forgets else integral
+        new = old + ki * sum_step * (before if late else error)
+        highest, lowest = limit - others, -limit - others
+        outwards = ((new > highest) & (new > old)) | ((new < lowest) & (new < old))
+        saturated = (new > highest) | (new < lowest)
+        if rule == "cut":
+            integral = np.minimum(new, np.maximum(old, highest))
+            integral = np.maximum(integral, np.minimum(old, lowest))
+        else:
+            kept = {"inwards": outwards, "saturated": saturated, "outwards": saturated & ~outwards}
+            integral = np.where(kept.get(rule, False), old, new)
+        before, last, error_before = error, np.array(measured), error
         free = others + integral
-        outputs.append(min(max(free, -limit), limit) if limited else free)
-        last, error_before = watched, error
-    return np.array(outputs)
+        return np.clip(free, -limit, limit) if limited else free
+
+    return step
 
 
-def _freezing(*inputs: object) -> NDArray:
-    return _loop(*inputs)
+def _other_sign(kp: NDArray, ki: NDArray, kd: NDArray, dt: float, limit: NDArray) -> Step:
+    return digital_pid(kp, ki, -kd, dt, limit)
 
 
-def either(answer: ArrayLike, reference: NDArray, *inputs: object) -> bool | str:
-    """Accept dynamic clamping and conditional integration alike."""
-    if np.shape(answer) != reference.shape:
-        return f"return one output for each sample: shape {reference.shape}, got {np.shape(answer)}"
-    limit = inputs[-1]
-    if np.max(np.abs(answer)) > limit * (1 + 1e-9):
-        return "some outputs are beyond the limit"
-    if np.allclose(answer, reference, rtol=1e-7, atol=1e-6):
-        return True
-    if np.allclose(answer, _freezing(*inputs), rtol=1e-7, atol=1e-6):
-        return True
-    sample = int(np.argmax(~np.isclose(answer, reference, rtol=1e-7, atol=1e-6)))
-    return f"right up to sample {sample}, counted from 0; there the terms differ"
+MISTAKES = (
+    Mistake(
+        "no dt in the sum",
+        partial(_variant, sum_step=1.0),
+        "the integral without dt: faster sampling would make it stronger",
+    ),
+    Mistake(
+        "no dt in the rate",
+        partial(_variant, rate_step=1.0),
+        "the measured speed is a difference divided by dt",
+    ),
+    Mistake(
+        "kick",
+        partial(_variant, kick=True),
+        "the difference of the error kicks when the reference jumps: rate less measured speed",
+    ),
+    Mistake(
+        "no rate",
+        partial(_variant, reference_rate=0.0),
+        "the reference moves: K_d times (rate - measured speed), or the joint lags behind",
+    ),
+    Mistake(
+        "sign of the derivative",
+        _other_sign,
+        "the sign of the derivative: a measurement that rises must lower the output",
+    ),
+    Mistake(
+        "first sample",
+        partial(_variant, start="zero"),
+        "the first sample has no sample before it: let its derivative term be zero",
+    ),
+    Mistake(
+        "late integral",
+        partial(_variant, late=True),
+        "the sum in (3.28) goes up to k: the present error belongs to it",
+    ),
+    Mistake(
+        "no anti-windup",
+        partial(_variant, rule="always"),
+        "the output is limited, but the integral goes on growing meanwhile: it winds up",
+    ),
+    Mistake(
+        "frozen",
+        partial(_variant, rule="saturated"),
+        "the integral stands still whenever the output is at its limit: let it come back in",
+    ),
+    Mistake(
+        "wrong side",
+        partial(_variant, rule="outwards"),
+        "clamped on the wrong side: the integral may move inwards, and must not move outwards",
+    ),
+    Mistake(
+        "no limit",
+        partial(_variant, rule="always", limited=False),
+        "the output must stay within -limit and limit",
+    ),
+    Mistake(
+        "no memory",
+        partial(_variant, forgets=True),
+        "the integral starts from zero at each sample: keep it (nonlocal, or a class)",
+    ),
+)
 
 
-def _runs(rng: np.random.Generator) -> list[tuple]:
-    """Steps of the reference that saturate the output on one side and then on the other."""
-    runs = []
-    for _ in range(12):
-        dt = float(rng.uniform(0.005, 0.02))
-        jumps = np.repeat(rng.uniform(-1.0, 1.0, 3) + np.array([0.6, -1.2, 0.5]), 40)
-        lag = np.convolve(jumps, np.full(15, 1 / 15))[: len(jumps)]
-        measured = lag + 0.3 + 0.05 * np.sin(np.arange(len(jumps)) * rng.uniform(0.2, 0.5))
-        kp, ki, kd = (float(gain) for gain in rng.uniform((20, 300, 1), (60, 900, 4)))
-        runs.append((jumps, measured, kp, ki, kd, dt, float(rng.uniform(20, 45))))
-    return runs
+def same_outputs(answer: Step, reference: Step, *gains: object) -> bool | str:
+    """Compare step by step; accept freezing the integral and cutting it to the limit alike."""
+    if not callable(answer):
+        return "my_pid must return a function step(reference, rate, measured)"
+    run = _run(len(gains[0]), gains[3])
+    given = _outputs(answer, run)
+    if isinstance(given, str):
+        return given
+    for right in (digital_pid, partial(_variant, rule="cut")):
+        if _near(given, _outputs(right(*gains), run)):
+            return True
+    for mistake in MISTAKES:
+        if _near(given, _outputs(mistake.wrong(*gains), run)):
+            return mistake.diagnosis
+    if _near(np.clip(given, -gains[4], gains[4]), given):
+        sample = int(np.argmax(~np.isclose(given, _outputs(reference, run)).all(axis=1)))
+        return f"right up to sample {sample}, counted from 0; there the terms differ"
+    return "the output must stay within -limit and limit, and something else differs"
+
+
+def _run(loops: int, dt: float) -> tuple[NDArray, NDArray, NDArray]:
+    """Reference with jumps and ramps, its rate, and a measurement that follows, (n, loops)."""
+    rng = np.random.default_rng([3, 8, round(1e6 * dt)])
+    size = (3, loops)
+    jumps = rng.uniform(0.5, 1.0, size) * np.array([[1.0], [-1.0], [1.0]])
+    slopes = rng.uniform(-0.5, 0.5, size)
+    time = np.arange(40) * dt
+    reference = np.concatenate([a + b * time[:, None] for a, b in zip(jumps, slopes, strict=True)])
+    lag = [np.convolve(column, np.full(15, 1 / 15))[: len(column)] for column in reference.T]
+    wave = 0.05 * np.sin(np.outer(np.arange(120), rng.uniform(0.2, 0.5, loops)))
+    return reference, np.repeat(slopes, 40, axis=0), np.transpose(lag) + 0.3 + wave
+
+
+def _outputs(step: Step, run: tuple[NDArray, NDArray, NDArray]) -> NDArray | str:
+    given = [step(*(values.copy() for values in sample)) for sample in zip(*run, strict=True)]
+    wanted = run[0].shape[1:]
+    if any(np.shape(output) != wanted for output in given):
+        return f"step must return one output for each loop, shape {wanted}, got {given[0]!r}"
+    return np.array(given, dtype=float)
+
+
+def _near(one: NDArray, other: NDArray) -> bool:
+    return np.allclose(one, other, rtol=1e-7, atol=1e-6)
+
+
+def _cases(rng: np.random.Generator) -> list[tuple]:
+    return [
+        (
+            *rng.uniform((20, 300, 1), (60, 900, 4), (4, 3)).T,
+            float(rng.uniform(0.005, 0.02)),
+            rng.uniform(20, 45, 4),
+        )
+        for _ in range(6)
+    ]
 
 
 DIGITAL = Exercise(
     number="3.8",
-    title="a digital PID that knows its limit",
+    title="a digital PID that knows its limits",
     reference=digital_pid,
-    cases=_runs,
-    compare=either,
-    tested_on="12 runs with steps and saturation",
+    cases=_cases,
+    compare=same_outputs,
+    tested_on="6 sets of gains, 120 samples with jumps, ramps and saturation",
     hints=(
-        "keep three things from sample to sample: the integral, the last measurement, the outputs",
-        "try the new integral; if the output would leave the limit because of it, keep the old one",
+        "step must remember two things from sample to sample: the integral and the last angle",
+        "try the new integral; where the output would leave its limit because of it, keep the old",
     ),
-    mistakes=(
-        Mistake(
-            "no dt in the sum",
-            lambda *inputs: _loop(*inputs, step=1.0),
-            "the integral without dt: faster sampling would make it stronger",
-        ),
-        Mistake(
-            "no dt in the rate",
-            lambda *inputs: _loop(*inputs, rate_step=1.0),
-            "the derivative is a difference divided by dt",
-        ),
-        Mistake(
-            "kick",
-            lambda *inputs: _loop(*inputs, of_error=True),
-            "the derivative of the error kicks when the reference jumps: take that of -measured",
-        ),
-        Mistake(
-            "sign of the derivative",
-            lambda reference, measured, kp, ki, kd, dt, limit: _loop(
-                reference, measured, kp, ki, -kd, dt, limit
-            ),
-            "the sign of the derivative: a measurement that rises must lower the output",
-        ),
-        Mistake(
-            "first sample",
-            lambda *inputs: _loop(*inputs, first=0.0),
-            "the first sample has no sample before it: its derivative is zero",
-        ),
-        Mistake(
-            "late integral",
-            lambda *inputs: _loop(*inputs, late=True),
-            "the sum in (3.28) goes up to k: the present error belongs to it",
-        ),
-        Mistake(
-            "no anti-windup",
-            lambda *inputs: _loop(*inputs, rule="always"),
-            "the output is limited, but the integral goes on growing meanwhile: it winds up",
-        ),
-        Mistake(
-            "frozen",
-            lambda *inputs: _loop(*inputs, rule="unless saturated"),
-            "the integral stands still whenever the output is at its limit: let it come back in",
-        ),
-        Mistake(
-            "wrong side",
-            lambda *inputs: _loop(*inputs, rule="outwards"),
-            "clamped on the wrong side: the integral may move inwards, and must not move outwards",
-        ),
-        Mistake(
-            "no limit",
-            lambda *inputs: _loop(*inputs, rule="always", limited=False),
-            "the output must stay within +-limit",
-        ),
-    ),
+    mistakes=MISTAKES,
 )

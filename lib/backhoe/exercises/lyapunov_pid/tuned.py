@@ -19,9 +19,10 @@ FORGET = 10.0  # time in which the integral takes a load over [s]
 def tuned_gains() -> tuple[NDArray, NDArray, NDArray]:
     """Gains kp, kd, ki, shape (4,) each, that meet the five demands of exercise 3.7."""
     kp = BACKHOE.torque_limit / np.array([0.055, 0.1, 0.1, 0.1])
-    ki = 0.4 * (kp - lyapunov.constants().kg)
-    tuning = lyapunov.tune("matrix", kp=kp, ki=ki, error=0.6)
-    return tuning.kp, tuning.kd, tuning.ki
+    ki = kp / 5.0
+    heaviest = np.array([1.34e5, 9.9e4, 5.7e3, 5.0e2])  # largest M_jj [kg m^2]
+    kd = 1.4 * np.sqrt(kp * heaviest)
+    return kp, kd, ki
 
 
 def judge(answer: tuple, reference: tuple) -> bool | str:

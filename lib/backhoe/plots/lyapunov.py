@@ -68,19 +68,15 @@ def arm_constants(time: ArrayLike, profile: Profile) -> Figure:
         ("1000 kg m²", {"largest of M": profile.lambda_max, "smallest of M": profile.lambda_min}),
         ("10⁶ kg m²", {"largest² / smallest": profile.ratio / 1e3}),
     )
+    lines = {"color": BLUE}, KINDS["truth"]
     for ax, (unit, curves) in zip(axes.flat, panels, strict=True):
-        for (label, values), line in zip(curves.items(), (None, KINDS["truth"]), strict=False):
-            ax.plot(time, values / 1e3, label=label, **(line or {"color": BLUE}))
-        ax.set_ylabel(f"[{unit}]")
+        for (label, values), line in zip(curves.items(), lines, strict=False):
+            ax.plot(time, values / 1e3, label=label, **line)
+        ax.set(ylabel=f"[{unit}]", ylim=(0, 1.35 * ax.dataLim.y1))
         ax.legend(loc="upper left", fontsize=9)
-        ax.set_ylim(0 if unit != "1000 kg m²" or "max |C|" in curves else None)
-        ax.margins(y=0.3)
     axes[1, 0].set(yscale="log", ylim=(0.1, 2000))
     for ax in axes[1]:
         ax.set_xlabel("time [s]")
-    for ax in axes.flat:
-        if ax is not axes[1, 0]:
-            ax.set_ylim(0, 1.35 * ax.dataLim.y1)
     return fig
 
 

@@ -139,6 +139,19 @@ def test_a_tracker_that_only_drives_ahead_leaves_the_path():
     assert score.reference.farthest < 0.1
 
 
+def test_a_recorded_drive_is_replayed_with_its_path_in_view():
+    run = short(record=True, time_limit=1.0)
+    shown = run.replay().recording
+    nodes = {node.name: node for node in shown.nodes}
+    np.testing.assert_allclose(nodes["undercarriage"].values[-1], run.pose[-1])
+    np.testing.assert_allclose(np.asarray(shown.lines[0].points)[:, :2], SHORT.points)
+    eye, target = shown.camera
+    assert eye[2] > 3.0
+    np.testing.assert_allclose(target[:2], (SHORT.points.min(0) + SHORT.points.max(0)) / 2)
+    with pytest.raises(ValueError, match="camera must be eye and target"):
+        run.recorder.replay(title="a", alt="b", camera=((0.0, 1.0), (1.0, 0.0)))
+
+
 # Other paths and plants
 
 

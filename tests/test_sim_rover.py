@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from backhoe import motor, sim, skid_steer
+from backhoe import appearance, motor, replay, sim, skid_steer
 from backhoe.sim.rover_urdf import rover_urdf
 from backhoe.skid_steer import HUSKY, replace
 
@@ -273,6 +273,35 @@ def test_the_heading_counts_on_through_full_turns(backend):
     with sim.open_rover(backend=backend) as rover:
         drive(rover, 5.0, 0.0, 3.0)
         assert rover.pose[2] > 2 * np.pi
+
+
+# The replay
+
+
+def test_a_recorded_rover_shows_its_way_and_its_wheels_turning():
+    with sim.open_rover(backend="analytic") as rover:
+        recorder = replay.Recorder(rover)
+        for _ in range(60):
+            recorder.capture()
+            rover.step(0.5, 0.4)
+        shown = recorder.replay(title="rover", alt="the rover drives a curve").recording
+    nodes = {node.name: node for node in shown.nodes}
+    assert set(nodes) == {"rover", *skid_steer.WHEELS}
+    np.testing.assert_allclose(nodes["rover"].values[-1], rover.pose)
+    for name, angle in zip(skid_steer.WHEELS, rover.wheel_angles, strict=True):
+        assert nodes[name].values[-1] == pytest.approx(angle)
+        axle = nodes[name].before[:3, 2]
+        np.testing.assert_allclose(axle, [0.0, 1.0, 0.0], atol=1e-12)
+    assert "iframe" in recorder.replay(title="rover", alt="a curve")._repr_html_()
+
+
+def test_the_rovers_meshes_fit_its_description():
+    body = np.vstack([part.vertices for part in appearance.rover_body(HUSKY)])
+    wheel = np.vstack([part.vertices for part in appearance.rover_wheel(HUSKY)])
+    assert body[:, 2].min() == pytest.approx(HUSKY.clearance)
+    assert np.ptp(body[:, 0]) == pytest.approx(HUSKY.body_length, abs=0.1)
+    assert np.hypot(*wheel[:, :2].T).max() == pytest.approx(HUSKY.wheel_radius, rel=0.01)
+    assert np.ptp(wheel[:, 2]) == pytest.approx(HUSKY.wheel_width, rel=0.1)
 
 
 # Bad input

@@ -11,6 +11,7 @@ from __future__ import annotations
 from backhoe.appearance import arm, carrier
 from backhoe.appearance.arm import struts
 from backhoe.appearance.load import bucket_load
+from backhoe.appearance.rover import rover_body, rover_wheel
 from backhoe.appearance.truck import truck_boxes, truck_visuals
 from backhoe.appearance.visual import Strut, Visual
 from backhoe.machine import BACKHOE, Machine
@@ -19,6 +20,8 @@ __all__ = [
     "Strut",
     "Visual",
     "bucket_load",
+    "rover_body",
+    "rover_wheel",
     "struts",
     "truck_boxes",
     "truck_visuals",

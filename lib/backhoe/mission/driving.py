@@ -80,7 +80,12 @@ class DriveRun:
         if self.recorder is None:
             raise ValueError("this run was not recorded: call mission.drive(record=True)")
         points = np.column_stack([self.path.points, np.full(len(self.path.points), 0.03)])
-        return self.recorder.replay(title=title, alt=alt, lines=(Line(points, _PATH_COLOUR),))
+        return self.recorder.replay(
+            title=title,
+            alt=alt,
+            lines=(Line(points, _PATH_COLOUR),),
+            camera=_overview(np.vstack([self.path.points, self.pose[:, :2]]), self.machine),
+        )
 
 
 def drive(
@@ -234,6 +239,14 @@ class _CheckedTracker:
         goal = goal._replace(position=places[0], next_position=places[1])
         answer = asked("tracker", self._tracker, pose, twist, goal, dt)
         return numbers("tracker", "your tracker", answer, (2,))
+
+
+def _overview(points: NDArray, machine: Machine | None) -> tuple[NDArray, NDArray]:
+    """Eye and target of a camera that sees all points and what drives there, (3,) each [m]."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = float(np.hypot(*(high - low))) + (1.0 if machine is None else 8.0)
+    target = np.append((low + high) / 2, 0.05 * size)
+    return target + size * np.array([0.55, -0.7, 0.5]), target
 
 
 def _checked_controller(part: Callable | None) -> Callable | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isfinite
 
 import numpy as np
@@ -15,12 +16,15 @@ from backhoe.replay.recording import HeightField, Line, Recording, Scalar
 
 __all__ = ["Recorder", "from_joints"]
 
+_ROVER_CAMERA = (2.9, -2.6, 1.9), (0.4, 0.2, 0.2)
+
 
 class Recorder:
     """Watches a simulation and keeps at most `rate` frames a second.
 
     The world is read only: `machine`, `time` [s], `q` (4,) [rad], `pose` (3,) = x, y [m], yaw
-    [rad], and where it has them `ground` (a `soil.Ground`) and `scene` (its truck).
+    [rad], and where it has them `ground` (a `soil.Ground`) and `scene` (its truck). Or it is a
+    rover, with `vehicle`, `time`, `wheel_angles` (4,) [rad] and `pose`.
 
     Raises:
         ValueError: the rate is not a positive number.
@@ -30,6 +34,7 @@ class Recorder:
         if not (isfinite(rate) and rate > 0):
             raise ValueError(f"rate must be a positive number of frames a second, got {rate!r}")
         self.world, self.rate = world, float(rate)
+        self._rover = hasattr(world, "wheel_angles")
         self._times: list[float] = []
         self._q: list[np.ndarray] = []
         self._poses: list[np.ndarray] = []
@@ -66,6 +71,7 @@ class Recorder:
         alt: str,
         lines: tuple[Line, ...] = (),
         poster: float | None = None,
+        camera: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> Replay:
         """What was recorded so far, the present moment included.
 
@@ -74,14 +80,20 @@ class Recorder:
             alt: what happens, in a sentence or two, for those who do not see it.
             lines: fixed lines to draw in the world, such as a planned path.
             poster: time of the frame shown before playing [s]; the first one if None.
+            camera: eye and target at first, in the world, shape (3,) each [m]; None for near by.
 
         Raises:
-            ValueError: nothing was recorded, or title or alt are empty.
+            ValueError: nothing was recorded, title or alt are empty, or camera is malformed.
         """
         if not self._times:
             raise ValueError("nothing was recorded: call capture() in the simulation's loop first")
         if self.world.time > self._times[-1]:
             self._keep(self.world.time)
+        if self._rover:
+            recording = _rover_recording(
+                self._times, self._q, self._poses, self.world.vehicle, lines, tuple(self._labels)
+            )
+            return Replay(_seen_from(camera, recording), title=title, alt=alt, poster=poster)
         ground = getattr(self.world, "ground", None)
         scalars = ()
         if ground is not None:
@@ -100,10 +112,10 @@ class Recorder:
             lines=lines,
             labels=tuple(self._labels),
         )
-        return Replay(recording, title=title, alt=alt, poster=poster)
+        return Replay(_seen_from(camera, recording), title=title, alt=alt, poster=poster)
 
     def _keep(self, time: float) -> None:
-        q = np.array(self.world.q, dtype=float)
+        q = np.array(self.world.wheel_angles if self._rover else self.world.q, dtype=float)
         pose = np.array(self.world.pose, dtype=float)
         if not (np.isfinite(q).all() and np.isfinite(pose).all()):
             raise ValueError(f"the simulation's state at {time} s is not finite: q = {q}")
@@ -188,6 +200,34 @@ def from_joints(
     scalars = () if bucket is None else (Scalar("bucket", bucket, "bucket", "m³"),)
     recording = _recording(times, q, poses, machine, scalars=scalars, lines=lines, labels=labels)
     return Replay(recording, title=title, alt=alt, poster=poster)
+
+
+def _seen_from(camera: tuple[ArrayLike, ArrayLike] | None, recording: Recording) -> Recording:
+    if camera is None:
+        return recording
+    points = real_array(camera, "camera must be eye and target [m]")
+    if points.shape != (2, 3) or not np.isfinite(points).all():
+        raise ValueError(f"camera must be eye and target, (x, y, z) each, all finite, got {camera}")
+    return replace(recording, camera=(points[0], points[1]))
+
+
+def _rover_recording(
+    times: ArrayLike,
+    angles: ArrayLike,
+    poses: ArrayLike,
+    vehicle: object,
+    lines: tuple[Line, ...],
+    labels: tuple[tuple[float, str], ...],
+) -> Recording:
+    return Recording(
+        times=times,
+        nodes=stage.rover_nodes(angles, poses, vehicle),
+        lines=lines,
+        labels=labels,
+        camera=_ROVER_CAMERA,
+        follow=stage.ROVER,
+        trail=stage.ROVER,
+    )
 
 
 def _recording(

@@ -1,4 +1,4 @@
-"""The machine, the truck and the load as nodes of a replay.
+"""The machine, the rover, the truck and the load as nodes of a replay.
 
 Frames as everywhere: the base frame lies on the ground between the tracks, x forward, z up; each
 link's mesh is given in its Denavit-Hartenberg frame (Mastalli 2013, Table A.1).
@@ -7,6 +7,7 @@ link's mesh is given in its Denavit-Hartenberg frame (Mastalli 2013, Table A.1).
 from __future__ import annotations
 
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,9 +17,21 @@ from backhoe.kinematics import link_transforms
 from backhoe.machine import JOINTS, Machine, Shell
 from backhoe.replay.recording import Mesh, Morph, Node
 
-__all__ = ["TIP", "load_in_bucket", "machine_nodes", "strut_nodes", "truck_node"]
+if TYPE_CHECKING:
+    from backhoe.skid_steer import Vehicle
+
+__all__ = [
+    "ROVER",
+    "TIP",
+    "load_in_bucket",
+    "machine_nodes",
+    "rover_nodes",
+    "strut_nodes",
+    "truck_node",
+]
 
 BASE = "undercarriage"
+ROVER = "rover"
 TIP = "bucket"
 SOIL = (0.43, 0.30, 0.19, 1.0)
 
@@ -73,6 +86,26 @@ def strut_nodes(q: ArrayLike, machine: Machine) -> tuple[Node, ...]:
             angle = np.unwrap(np.arctan2(y, x))
             name = f"{part} {number}"
             nodes.append(Node(name, link, "revolute", angle, at, meshes=_meshes([look])))
+    return tuple(nodes)
+
+
+def rover_nodes(angles: ArrayLike, poses: ArrayLike, vehicle: Vehicle) -> tuple[Node, ...]:
+    """Body and wheels of a rover as they move.
+
+    Args:
+        angles: of the wheels, shape (frames, 4) [rad].
+        poses: x, y [m] and heading [rad], shape (frames, 3).
+        vehicle: its numbers.
+    """
+    from backhoe.skid_steer import WHEELS
+
+    angles = np.asarray(angles, dtype=float)
+    nodes = [Node(ROVER, None, "planar", poses, meshes=_meshes(appearance.rover_body(vehicle)))]
+    wheel = _meshes(appearance.rover_wheel(vehicle))
+    for i, (x, y) in enumerate(vehicle.positions):
+        at = _turn_x(-pi / 2)
+        at[:3, 3] = x, y, vehicle.wheel_radius
+        nodes.append(Node(WHEELS[i], ROVER, "revolute", angles[:, i], at, meshes=wheel))
     return tuple(nodes)
 
 

@@ -65,6 +65,25 @@ def test_printed_37_is_unstable_everywhere_and_the_corrected_one_nowhere(rng):
         assert poles(lyapunov.closed_loop_rate, goal, ALPHA).real.max() < 0
 
 
+def test_printed_38_rises_along_motions_and_does_not_have_the_derivative_of_318(rng):
+    w, error, dq = rng.normal(size=(3, 1000, 4)) * np.array([0.3, 0.2, 0.5])[:, None, None]
+    goal = rng.uniform(BACKHOE.lower, BACKHOE.upper, (1000, 4))
+    state, rates = (w, error, dq), lyapunov.closed_loop_rate(w, error, dq, goal, *GAINS, ALPHA)
+
+    def change(V):
+        ahead, behind = (
+            V(*(x + h * rate for x, rate in zip(state, rates, strict=True)), goal, *GAINS, ALPHA)
+            for h in (1e-6, -1e-6)
+        )
+        return (ahead - behind) / 2e-6
+
+    formula = lyapunov.derivative(error, dq, goal, *GAINS, ALPHA)
+    np.testing.assert_allclose(change(lyapunov.function), formula, rtol=1e-5, atol=1e-2)
+    assert formula.max() < 0
+    assert np.mean(change(printed.function_38) > 0) > 0.05
+    assert np.median(np.abs(change(printed.function_38) / formula - 1)) > 0.2
+
+
 def test_printed_derivative_of_v_does_not_belong_to_printed_37(rng):
     w, error, dq, goal = rng.normal(size=(4, 300, 4))
     h, claimed = 1e-6, lyapunov.derivative(error, dq, goal, *GAINS, ALPHA)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.dynamics import coriolis_matrix, gravity_torque, mass_matrix
 from backhoe.kinematics import joint_vector
-from backhoe.lyapunov import Constants
+from backhoe.lyapunov import Constants, function
 from backhoe.lyapunov.gains import gain_matrix, positive
 from backhoe.machine import BACKHOE, Machine
 
@@ -25,6 +25,7 @@ __all__ = [
     "closed_loop_rate_37",
     "coriolis_bound_a8",
     "derivative_bound_320",
+    "function_38",
     "kd_bound_334",
     "kp_condition_312",
     "speed_bound_324",
@@ -94,6 +95,34 @@ def closed_loop_rate_37(
     torque = error @ (Kp - Ki / alpha) + dq @ Kd + w @ Ki / alpha
     ddq = _acceleration(torque, error, dq, joint_vector(q_desired), machine)
     return alpha * error - dq, -dq, ddq
+
+
+def function_38(
+    w: ArrayLike,
+    error: ArrayLike,
+    dq: ArrayLike,
+    q_desired: ArrayLike,
+    kp: ArrayLike,
+    kd: ArrayLike,
+    ki: ArrayLike,
+    alpha: float,
+    *,
+    machine: Machine = BACKHOE,
+) -> NDArray:
+    """V with the state vector printed in (3.8), which ends in dq~/dt = -dq; (3.14) has dq.
+
+    Args:
+        w, error, dq, q_desired, kp, kd, ki, alpha: as for `closed_loop_rate_37`.
+
+    Returns:
+        Shape (...) [J].
+
+    Raises:
+        ValueError: as for `closed_loop_rate_35`.
+    """
+    return function(
+        w, error, -joint_vector(dq, "dq"), q_desired, kp, kd, ki, alpha, machine=machine
+    )
 
 
 def term_310(

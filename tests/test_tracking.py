@@ -258,7 +258,7 @@ def test_pure_pursuit_keeps_to_its_branch_where_a_path_crosses_itself():
 
     def watched(*state):
         answer = tracker(*state)
-        progress.append(tracker._progress)
+        progress.append(tracker._foot.way)
         return answer
 
     assert follow(watched, plant, path).reached
@@ -282,12 +282,29 @@ def test_pure_pursuit_turns_as_tightly_as_it_can_for_a_point_behind():
 
 
 def test_pure_pursuit_hurries_after_a_goal_that_is_ahead_and_waits_for_one_behind():
-    tracker = PurePursuit(0.4, catch_up=2.0)
+    tracker = PurePursuit(0.4, catch_up=2.0, window=5.0)
     path = [[0, 0], [9, 0]]
     assert tracker([1, 0, 0], [0, 0], goal_at(1.3, 0, path=path), 0.02)[0] == pytest.approx(1.1)
+    tracker.reset()
     assert tracker([1, 0, 0], [0, 0], goal_at(0.5, 0, path=path), 0.02)[0] == 0.0
     in_path_mode = goal_at(1.3, 0, path=path, waypoint=1)
     assert tracker([1, 0, 0], [0, 0], in_path_mode, 0.02)[0] == 0.5
+
+
+def test_pure_pursuit_does_not_stand_still_when_it_looks_away_from_the_goal():
+    path = tracking.from_points([[0, 0], [9, 0]]).with_times(0.5)
+    run = follow(PurePursuit(0.4), IdealPlant(pose=(0, -1, pi)), path, mode="trajectory")
+    assert run.reached
+    assert (run.command[:, 0] > 0.4).all()
+
+
+@pytest.mark.parametrize("lookahead", [0.1, 1.6])
+def test_pure_pursuit_comes_through_with_an_unlucky_look_ahead(lookahead):
+    path = PATHS["figure_eight"].with_times(0.3)
+    tracker = PurePursuit(lookahead)
+    run = follow(tracker, slipping(), path, mode="trajectory", limits=HUSKY_LIMITS)
+    assert 0.6 < run.metrics.d_ratio < 1.6
+    assert run.goal_distance[-1] < 0.6
 
 
 @pytest.mark.parametrize("name", tracking.TRACKERS)
@@ -322,11 +339,10 @@ def test_every_tuned_tracker_keeps_to_every_trajectory_on_ideal_and_on_slipping_
     route = PATHS[path].with_times(0.3)
     tracker = tracking.TRACKERS[name]()
     run = follow(tracker, make(), route, mode="trajectory", limits=HUSKY_LIMITS)
-    a = tracking.assess(run)
-    assert run.reached or np.hypot(*(run.pose[-1, :2] - route.points[-1])) < 0.35
-    assert a.d_mean < (0.1 if path == "circle" else 0.06)
-    assert abs(a.lag) < 0.9
-    assert 0.9 < a.d_ratio < 1.2
+    once_there = run.path_distance[len(run.time) // 3 :]
+    assert once_there.mean() < 0.06 and once_there.max() < 0.16
+    assert np.hypot(*(run.pose[-1, :2] - route.points[-1])) < 0.35
+    assert abs(tracking.time_lag(run)) < 0.9
 
 
 def test_the_pattern_of_table_51_is_found_on_slipping_wheels_but_for_the_ratio_and_the_circle():
@@ -620,15 +636,15 @@ def test_the_tuned_trackers_bring_the_options_they_are_given():
 
 @pytest.mark.alone
 def test_a_minute_at_50_hz_takes_well_under_half_a_second():
-    from time import perf_counter
+    from time import process_time
 
     path = tracking.figure_eight().with_times(10.3 / 60)
     for name in tracking.TRACKERS:
         best = np.inf
         for _ in range(3):
             plant = Plant(skid_steer.HUSKY, 0.02, "kinematic")
-            start = perf_counter()
+            start = process_time()
             run = follow(tracking.TRACKERS[name](), plant, path, mode="trajectory", period=0.02)
-            best = min(best, perf_counter() - start)
+            best = min(best, process_time() - start)
         assert len(run.time) > 2600
         assert best < 0.4

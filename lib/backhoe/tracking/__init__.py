@@ -4,7 +4,7 @@
 - `protocol`: what a tracker and a plant are; `ideal_plant`: the plainest plant
 - `pose_error`, `limits`: errors of a pose, speeds that the wheels can do
 - `pid_tracker`, `scaglia_taylor`, `scaglia_linear`, `scaglia_runge_kutta`, `pure_pursuit`: trackers
-- `goals`, `follow`: runs; `polyline`, `metrics`, `compare`: how well they went
+- `goals`, `follow`: runs; `polyline`, `progress`, `metrics`, `compare`: how well they went
 """
 
 from backhoe.tracking.compare import Comparison, Radar, compare
@@ -22,11 +22,12 @@ from backhoe.tracking.pure_pursuit import PurePursuit
 from backhoe.tracking.scaglia_linear import ScagliaLinear
 from backhoe.tracking.scaglia_runge_kutta import ScagliaRungeKutta, speed_modes
 from backhoe.tracking.scaglia_taylor import ScagliaTaylor, weight_ratio
-from backhoe.tracking.tuned import TRACKERS, p_tracker, pi_tracker
+from backhoe.tracking.tuned import TRACKERS, TRACKERS_ON_TRACKS, p_tracker, pi_tracker
 
 __all__ = [
     "ARRIVAL",
     "TRACKERS",
+    "TRACKERS_ON_TRACKS",
     "Assessment",
     "Comparison",
     "Follow",

@@ -7,39 +7,40 @@ radius L round the vehicle; if the path is farther away than that, it is the cir
 direction of the path's nearest point. Beyond its end the path goes straight on, and the vehicle
 stops when it has passed the end.
 
+In trajectory mode the speed is the goal's, and more the farther it is ahead along the path.
+
 It drives forwards only, so for a point behind it the vehicle turns as tightly as it ever does, with
 the curvature 2 / L: 2 y / L^2 would go to zero there, and the vehicle away.
 """
 
 from __future__ import annotations
 
-from math import atan2, copysign, cos, hypot, pi, sin, sqrt
+from math import atan2, copysign, hypot, inf, pi, sin, sqrt
 
-import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.tracking.path import positive
-from backhoe.tracking.polyline import arc_length, points_array
+from backhoe.tracking.polyline import points_array
 from backhoe.tracking.pose_error import wrap
-from backhoe.tracking.protocol import Goal, Situation, situation
+from backhoe.tracking.progress import Progress
+from backhoe.tracking.protocol import Goal, situation
 
 __all__ = ["PurePursuit"]
-
-_TIE = 1e-9
 
 
 class PurePursuit:
     """Pure pursuit. It remembers how far along the path it has come.
 
-    The nearest point is looked for from there to `window` ahead: at a crossing the vehicle goes
-    straight on, and the end of a closed path is not taken for its start. In path mode it is not
-    looked for beyond the current way-point, so that none is left out.
+    The path's nearest point is looked for from there to `window` ahead. In path mode it is not
+    looked for beyond the current way-point, so that none is left out: a vehicle that cuts a corner
+    by more than the arrival distance turns back for it. Keep L well below the size of the corners.
 
     Args:
         lookahead: L [m]. Short follows closely and swings, long cuts corners.
         speed: forward speed [m/s]; None: the goal's.
         window: how far ahead the nearest point may lie along the path [m]; None: 2 L.
-        catch_up: in trajectory mode, extra speed for each metre that the goal is ahead [1/s].
+        catch_up: in trajectory mode, extra speed for each metre of path that the goal is ahead
+            [1/s]; it waits for a goal that is behind.
 
     Raises:
         ValueError: lookahead, speed or window not positive, catch_up negative.
@@ -56,7 +57,7 @@ class PurePursuit:
         self.lookahead = positive(lookahead, "lookahead", "m")
         self.speed = None if speed is None else positive(speed, "speed", "m/s")
         self.window = 2 * self.lookahead if window is None else positive(window, "window", "m")
-        if not 0 <= catch_up < np.inf:
+        if not 0 <= catch_up < inf:
             raise ValueError(f"catch_up must be 0 or more [1/s], got {catch_up!r}")
         self.catch_up = catch_up
         self.reset()
@@ -71,65 +72,46 @@ class PurePursuit:
         """v, omega [m/s, rad/s] for one sample; see `protocol.Tracker`."""
         now = situation(pose, twist, goal)
         if goal.path is not self._path:
-            self._start(goal.path)
-        self._advance(now.x, now.y, goal.waypoint)
-        if self._progress >= self._arc[-1] and self._passed(now.x, now.y):
+            points = points_array(goal.path, "goal.path")
+            self._path, self._foot = goal.path, Progress(points, self.window)
+            self._goal = Progress(points, self.window)
+        limit = inf if goal.waypoint is None else self._foot.arc[goal.waypoint]
+        self._foot.move_to(now.x, now.y, limit)
+        if self._passed(now.x, now.y):
             return 0.0, 0.0
         x, y = self._target(now.x, now.y)
         bearing = wrap(atan2(y - now.y, x - now.x) - now.theta)
         steering = sin(bearing) if abs(bearing) <= pi / 2 else copysign(1.0, bearing)
-        v = self._wanted_speed(now, goal)
+        v = self._wanted_speed(now.x + now.dx, now.y + now.dy, goal)
         return v, v * 2 * steering / self.lookahead
 
-    def _start(self, path: NDArray) -> None:
-        points = points_array(path, "goal.path")
-        steps = np.diff(points, axis=0)
-        lengths = np.hypot(*steps.T)
-        units = steps / np.where(lengths > 0, lengths, 1.0)[:, None]
-        self._path, self._progress, self._segment, self._distance = path, 0.0, 0, 0.0
-        self._arc = arc_length(points).tolist()
-        self._segments = np.column_stack([points[:-1], units, lengths]).tolist()
-        self._last = next(row for row in reversed(self._segments) if row[4] > 0)
-
-    def _advance(self, x: float, y: float, waypoint: int | None) -> None:
-        """Move on to the nearest point within the window; where two are as near, to the first."""
-        limit, nearest = self._progress + self.window, np.inf
-        if waypoint is not None:
-            limit = max(min(limit, self._arc[waypoint]), self._progress)
-        for i in range(self._segment, len(self._segments)):
-            if self._arc[i] > limit:
-                break
-            ax, ay, ux, uy, length = self._segments[i]
-            first, last = max(self._progress - self._arc[i], 0.0), min(length, limit - self._arc[i])
-            t = min(max((x - ax) * ux + (y - ay) * uy, first), last)
-            distance = hypot(x - ax - t * ux, y - ay - t * uy)
-            if distance < nearest - _TIE:
-                nearest, progress, segment = distance, self._arc[i] + t, i
-        self._progress, self._segment, self._distance = progress, segment, nearest
-
     def _target(self, x: float, y: float) -> tuple[float, float]:
-        """The nearest point if it is farther than L, else where the path leaves the circle."""
-        if self._distance >= self.lookahead:
-            ax, ay, ux, uy, _ = self._segments[self._segment]
-            t = self._progress - self._arc[self._segment]
-            return ax + t * ux, ay + t * uy
-        for ax, ay, ux, uy, length in self._segments[self._segment :]:
+        """The foot if it is farther than L, else where the path leaves the circle."""
+        foot = self._foot
+        if foot.distance >= self.lookahead:
+            return foot.place
+        for ax, ay, ux, uy, length in foot.segments[foot.segment :]:
             if hypot(ax + length * ux - x, ay + length * uy - y) > self.lookahead:
                 break
         else:
-            ax, ay, ux, uy, _ = self._last
+            ax, ay, ux, uy, _ = self._last()
         along = (x - ax) * ux + (y - ay) * uy
         aside = (x - ax) * uy - (y - ay) * ux
         t = along + sqrt(max(self.lookahead**2 - aside**2, 0.0))
         return ax + t * ux, ay + t * uy
 
     def _passed(self, x: float, y: float) -> bool:
-        ax, ay, ux, uy, length = self._last
+        if self._foot.way < self._foot.arc[-1]:
+            return False
+        ax, ay, ux, uy, length = self._last()
         return (x - ax) * ux + (y - ay) * uy >= length
 
-    def _wanted_speed(self, now: Situation, goal: Goal) -> float:
+    def _last(self) -> list[float]:
+        return next(segment for segment in reversed(self._foot.segments) if segment[4] > 0)
+
+    def _wanted_speed(self, goal_x: float, goal_y: float, goal: Goal) -> float:
         speed = goal.speed if self.speed is None else self.speed
         if goal.waypoint is not None:
             return speed
-        ahead = now.dx * cos(now.theta) + now.dy * sin(now.theta)
-        return max(speed + self.catch_up * ahead, 0.0)
+        self._goal.move_to(goal_x, goal_y)
+        return max(speed + self.catch_up * (self._goal.way - self._foot.way), 0.0)

@@ -12,7 +12,7 @@ from backhoe.tracking.scaglia_linear import ScagliaLinear
 from backhoe.tracking.scaglia_runge_kutta import ScagliaRungeKutta
 from backhoe.tracking.scaglia_taylor import ScagliaTaylor
 
-__all__ = ["SCAGLIA_PERIOD", "TRACKERS", "p_tracker", "pi_tracker"]
+__all__ = ["SCAGLIA_PERIOD", "TRACKERS", "TRACKERS_ON_TRACKS", "p_tracker", "pi_tracker"]
 
 SCAGLIA_PERIOD = 0.2
 """Sample time of Scaglia's three [s]. With a gain k they close k / T0 of an error in a second: at
@@ -56,3 +56,13 @@ TRACKERS = {
     "pure pursuit": PurePursuit,
 }
 """Name -> function that makes the tracker; Scaglia's named as in D'Angelo's Fig. 6.3."""
+
+TRACKERS_ON_TRACKS = {
+    "P": p_tracker,
+    "PI": lambda: PIDTracker(rho=(1.25,), dy=(6.0, 1.0), alpha=(1.0,)),
+    "Scaglia v1": lambda: ScagliaTaylor(period=0.2),
+    "Scaglia v2": lambda: ScagliaLinear(period=0.4),
+    "Scaglia v3": lambda: ScagliaRungeKutta(period=0.4),
+    "pure pursuit": lambda: PurePursuit(1.0),
+}
+"""The same for the backhoe, which is 17 t heavy and swings into its turns slowly."""

@@ -36,11 +36,12 @@ class PurePursuit:
     by more than the arrival distance turns back for it. Keep L well below the size of the corners.
 
     Args:
-        lookahead: L [m]. Short follows closely and swings, long cuts corners.
+        lookahead: L [m]. Short follows closely and swings, long cuts corners. The tightest turn
+            asks for omega = 2 v / L: beyond the vehicle's limits it has to stop for turning.
         speed: forward speed [m/s]; None: the goal's.
         window: how far ahead the nearest point may lie along the path [m]; None: 2 L.
-        catch_up: in trajectory mode, extra speed for each metre of path that the goal is ahead
-            [1/s]; it waits for a goal that is behind.
+        catch_up: in trajectory mode, extra speed for each metre of path that the goal is ahead,
+            up to L of them [1/s]; it waits for a goal that is behind.
 
     Raises:
         ValueError: lookahead, speed or window not positive, catch_up negative.
@@ -114,4 +115,5 @@ class PurePursuit:
         if goal.waypoint is not None:
             return speed
         self._goal.move_to(goal_x, goal_y)
-        return max(speed + self.catch_up * (self._goal.way - self._foot.way), 0.0)
+        lead = min(self._goal.way - self._foot.way, self.lookahead)
+        return max(speed + self.catch_up * lead, 0.0)

@@ -293,6 +293,30 @@ def test_the_mass_matrix_and_the_coriolis_matrix_change_no_faster_than_their_rec
     assert (size(change[..., 0]) <= allowed).all()
 
 
+def test_gravity_takes_no_work_round_a_way_and_has_bounded_energy_and_torque(rng):
+    x, y = rng.uniform(-np.pi, np.pi, (2, COUNT, 4))
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    way = x + (nodes[:, None, None] + 1) / 2 * (y - x)
+    power = (dynamics.gravity_torque(way) * (y - x)).sum(axis=-1) / 2
+    work = weights @ power
+
+    def height(q):
+        return dynamics.energy(q, np.zeros(4))[1]
+
+    np.testing.assert_allclose(work, height(y) - height(x), rtol=1e-8, atol=1e-3)
+    boom, stick, bucket = BACKHOE.links
+    of_bucket = bucket.mass * bucket.com_radius
+    of_stick = of_bucket + stick.mass * stick.com_radius + bucket.mass * stick.length
+    beyond = (stick.mass + bucket.mass) * boom.length
+    levers = BACKHOE.gravity * np.array(
+        [of_stick + boom.mass * boom.com_radius + beyond, of_stick, of_bucket]
+    )
+    middle = (height(x) + height(x + np.pi * np.eye(4)[1])) / 2
+    np.testing.assert_allclose(middle, middle[0])
+    assert (work + height(x) >= middle - levers[0]).all()
+    assert (np.abs(dynamics.gravity_torque(x)[:, 1:]) <= levers).all()
+
+
 def test_the_coriolis_matrix_is_bilinear_symmetric_and_made_of_christoffel_symbols(rng):
     q, x, y, z = rng.normal(size=(4, 200, 4))
 

@@ -1,5 +1,7 @@
 """Kinematics, friction and the linear model of the skid-steer vehicle."""
 
+import subprocess
+import sys
 from dataclasses import fields
 
 import control
@@ -18,6 +20,14 @@ PUBLIC = published.load("husky_description")
 @pytest.fixture
 def rng():
     return np.random.default_rng(4)
+
+
+def test_importing_vehicles_and_motors_loads_nothing_heavy():
+    code = "import sys, backhoe.skid_steer, backhoe.motor; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert {"numba", "scipy", "control", "matplotlib", "pybullet"}.isdisjoint(loaded.stdout.split())
 
 
 # The vehicle

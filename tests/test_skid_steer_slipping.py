@@ -440,3 +440,8 @@ GAINS = motor.WheelGains(1.0, 1.0)
 def test_wrong_arguments_are_named(call, says):
     with pytest.raises(ValueError, match=says):
         call()
+
+
+def test_a_plant_wants_a_vehicle():
+    with pytest.raises(TypeError, match=r"such as skid_steer\.HUSKY, got 'husky'"):
+        Plant("husky")

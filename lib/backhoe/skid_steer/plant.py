@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.reals import real_array
 from backhoe.skid_steer.kinematics import half_track_of
 from backhoe.skid_steer.linear_model import rates
-from backhoe.skid_steer.simulation import DRIVEN, MODELS
+from backhoe.skid_steer.simulation import DRIVEN, MODELS, NO_OPTIONS
 from backhoe.skid_steer.vehicle import HUSKY, Vehicle
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ class Plant:
         model: "kinematic", "linear" or "slipping".
         pose: X, Y, theta at the start, shape (3,) [m, m, rad].
         half_track, motor, gains, driven: of the slipping model, as for `simulate`.
+        tolerance: of the slipping model's integrator, see `slipping.advance`.
 
     Attributes:
         time: since the start [s].
@@ -41,6 +42,7 @@ class Plant:
     Raises:
         ValueError: a model that there is not, a pose that is not 3 finite numbers, dt not positive,
             or wheels asked of a model that has none.
+        TypeError: vehicle is no Vehicle.
     """
 
     def __init__(
@@ -56,13 +58,15 @@ class Plant:
         driven: str = "all",
         tolerance: float = 1e-5,
     ) -> None:
+        if not isinstance(vehicle, Vehicle):
+            raise TypeError(f"vehicle must be a Vehicle, such as skid_steer.HUSKY, got {vehicle!r}")
         if model not in MODELS:
             raise ValueError(f"model must be one of {', '.join(MODELS)}, got {model!r}")
         for name, value in (("dt", dt), ("tolerance", tolerance)):
             if not (np.ndim(value) == 0 and isfinite(value) and value > 0):
                 raise ValueError(f"{name} must be a positive number, got {value!r}")
         options = (half_track, motor, gains, driven)
-        if model != "slipping" and options != (None, None, None, "all"):
+        if model != "slipping" and options != NO_OPTIONS:
             raise ValueError(
                 f"the {model} model has no wheels that slip or take torque: half_track, motor, "
                 'gains and driven go with model="slipping"'

@@ -34,6 +34,9 @@ MODELS = ("kinematic", "linear", "slipping")
 DRIVEN = {"all": (1.0, 1.0, 1.0, 1.0), "front": (1.0, 1.0, 0.0, 0.0)}
 """Which wheels have a motor, in the order of `WHEELS`."""
 
+NO_OPTIONS = (None, None, None, "all")
+"""half_track, motor, gains, driven: what only the slipping model can make use of."""
+
 _BLOCK = 32
 """Runs that one thread takes at a time."""
 
@@ -109,21 +112,7 @@ def simulate(
     _, runs, n = commands.shape
     vehicles, first = _one_a_run(vehicle, runs), _starts(start, runs)
     _check_times(dt, every, n, tolerance)
-    options = (half_track, motor, gains, driven)
-    if model == "slipping":
-        block = _slipping_block(dt, every, tolerance, *options)
-    elif model not in MODELS:
-        raise ValueError(f"model must be one of {', '.join(MODELS)}, got {model!r}")
-    elif options != (None, None, None, "all"):
-        raise ValueError(
-            f"the {model} model has no wheels that slip or take torque: half_track, motor, gains "
-            'and driven go with model="slipping"'
-        )
-    else:
-
-        def block(u: NDArray, which: Sequence[Vehicle], at: NDArray) -> NDArray:
-            return without_slip.drive(u, dt, which, model, at)[:, ::every]
-
+    block = _block(model, dt, every, tolerance, (half_track, motor, gains, driven))
     log = _in_blocks(block, commands, vehicles, first)
     log = log[0] if single else log
     voltage = log[..., 10:] if log.shape[-1] > 10 else None
@@ -132,6 +121,20 @@ def simulate(
 
 
 Block = Callable[[NDArray, Sequence[Vehicle], NDArray], NDArray]
+
+
+def _block(model: str, dt: float, every: int, tolerance: float, options: tuple) -> Block:
+    """The function that drives a block of runs by a model."""
+    if model == "slipping":
+        return _slipping_block(dt, every, tolerance, *options)
+    if model not in MODELS:
+        raise ValueError(f"model must be one of {', '.join(MODELS)}, got {model!r}")
+    if options != NO_OPTIONS:
+        raise ValueError(
+            f"the {model} model has no wheels that slip or take torque: half_track, motor, gains "
+            'and driven go with model="slipping"'
+        )
+    return lambda u, vehicles, first: without_slip.drive(u, dt, vehicles, model, first)[:, ::every]
 
 
 def _in_blocks(block: Block, commands: NDArray, vehicles: list[Vehicle], first: NDArray) -> NDArray:

@@ -17,17 +17,16 @@ of the arm turned by 90 degrees, over gravity: nothing has to be derived twice.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, pi, sin
+from math import cos, sin
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from backhoe import dynamics
+from backhoe.dynamics import terms
 from backhoe.sim.loop import Loop
 from backhoe.sim.urdf import undercarriage_inertia
-
-_BOOM_UP = np.array([0.0, pi / 2, 0.0, 0.0])
 
 
 class AnalyticWorld(Loop):
@@ -47,39 +46,86 @@ class AnalyticWorld(Loop):
         self._q = self._q + self.dt * self._dq
 
     def _carry(self, payload: float) -> None:
-        bucket = self.machine.bucket
-        self._loaded = replace(self.machine, bucket=replace(bucket, mass=bucket.mass + payload))
-        self._light = replace(self._loaded, gravity=1.0)
+        machine = self.machine
+        bucket = replace(machine.bucket, mass=machine.bucket.mass + payload)
+        self._loaded = replace(machine, bucket=bucket)
+        swing = machine.swing
+        above_pins = machine.boom.mass + machine.stick.mass + bucket.mass
+        self._arm = terms.arm_of(self._loaded)
+        self._light = self._arm._replace(g=1.0)
+        self._fixed = np.array(
+            [
+                above_pins * swing.offset,
+                swing.mass * swing.com_radius * cos(swing.com_angle),
+                swing.mass * swing.com_radius * sin(swing.com_angle),
+                swing.mass + above_pins,
+                machine.tracks.mass,
+                undercarriage_inertia(machine),
+                machine.base.offset,
+            ]
+        )
 
     def _acceleration(self, pushed: NDArray) -> NDArray:
         """Accelerations of x, y, yaw and the joints, shape (7,)."""
-        machine, q = self._loaded, self._q[3:]
-        w = self._dq[3:].copy()
-        w[0] += self._dq[2]
-        swing = machine.swing
-        above_pins = machine.boom.mass + machine.stick.mass + machine.bucket.mass
-        reach = dynamics.gravity_torque(q, self._light)
-        outward = (
-            reach[1]
-            + above_pins * swing.offset
-            + swing.mass * swing.com_radius * cos(swing.com_angle)
-        )
         M, forces = np.empty((7, 7)), pushed.copy()
-        _join(
-            M,
-            forces,
-            dynamics.mass_matrix(q, machine),
-            dynamics.inverse_dynamics(q, w, np.zeros(4), machine=machine),
-            reach,
-            dynamics.gravity_torque(q + _BOOM_UP, self._light),
-            w,
-            (outward, swing.mass * swing.com_radius * sin(swing.com_angle)),
-            (self._q[2], self._dq[2], self._q[2] + q[0] + pi / 2),
-            (swing.mass + above_pins, machine.tracks.mass),
-            undercarriage_inertia(machine),
-            machine.base.offset,
-        )
+        _balance(self._arm, self._light, self._q, self._dq, self._fixed, M, forces)
         return np.linalg.solve(M, forces)
+
+
+_vectors = njit(terms.vectors)
+_inertias = njit(terms.inertias)
+_gravity_torques = njit(terms.gravity_torques)
+_newton_euler = njit(terms.newton_euler)
+
+
+@njit
+def _vectors_at(arm, boom, stick, bucket):
+    p2 = boom + arm.o2
+    p3 = p2 + (stick + arm.o3)
+    p4 = p3 + (bucket + arm.o4)
+    return _vectors(arm, np.cos(p2), np.sin(p2), np.cos(p3), np.sin(p3), np.cos(p4), np.sin(p4))
+
+
+@njit(cache=True)
+def _balance(arm, light, q, dq, fixed, M, forces):
+    """Inertia matrix (7, 7) of the seven coordinates, and what is left of the forces (7,).
+
+    Args:
+        arm: `dynamics.terms.arm_of` the loaded machine.
+        light: the same where gravity is 1: its gravity torques are moments [kg m].
+        q, dq: coordinates and rates, shape (7,).
+        fixed: what no posture changes: outward moments of the boom's joint and of the house, the
+            house's leftward one [kg m], masses of house with arm and of the undercarriage [kg], yaw
+            inertia of that [kg m^2], offset of the swing axis [m].
+        M, forces: filled in; forces come as what pushes.
+    """
+    v = _vectors_at(arm, q[4], q[5], q[6])
+    M11, M22, M23, M24, M33, M34, M44 = _inertias(arm, v)
+    M_arm = np.zeros((4, 4))
+    M_arm[0, 0], M_arm[1, 1], M_arm[2, 2], M_arm[3, 3] = M11, M22, M33, M44
+    M_arm[1, 2] = M_arm[2, 1] = M23
+    M_arm[1, 3] = M_arm[3, 1] = M24
+    M_arm[2, 3] = M_arm[3, 2] = M34
+    w = np.array([dq[3] + dq[2], dq[4], dq[5], dq[6]])
+    bias = np.array(_newton_euler(arm, v, w[0], w[1], w[2], w[3], 0.0, 0.0, 0.0, 0.0))
+    reach, slope = np.zeros(4), np.zeros(4)
+    raised = _vectors_at(arm, q[4] + np.pi / 2, q[5], q[6])
+    for moment, vectors in ((reach, v), (slope, raised)):
+        moment[1], moment[2], moment[3] = _gravity_torques(light, vectors)
+    _join(
+        M,
+        forces,
+        M_arm,
+        bias,
+        reach,
+        slope,
+        w,
+        (reach[1] + fixed[0] + fixed[1], fixed[2]),
+        (q[2], dq[2], q[2] + q[3] + np.pi / 2),
+        (fixed[3], fixed[4]),
+        fixed[5],
+        fixed[6],
+    )
 
 
 @njit(cache=True)

@@ -17,7 +17,7 @@ __all__ = ["bilinear_norm", "bilinear_value", "by_turns", "unfolded_bound", "wid
 
 _TURNS = 5
 _NEWTON = 6
-_STARTS = 3
+_STARTS = 2
 
 
 def bilinear_value(B: NDArray, x: NDArray) -> NDArray:
@@ -28,7 +28,7 @@ def bilinear_value(B: NDArray, x: NDArray) -> NDArray:
 
 def unfolded_bound(B: NDArray) -> NDArray:
     """A bound from above: the spectral norm of B unfolded to a matrix (m, n n), shape (...)."""
-    flat = B.reshape(*B.shape[:-2], -1)
+    flat = B.reshape(*B.shape[:-2], B.shape[-2] * B.shape[-1])
     return np.sqrt(np.linalg.eigvalsh(flat @ np.swapaxes(flat, -1, -2))[..., -1])
 
 
@@ -93,7 +93,7 @@ def _best_of_starts(climb: Callable, B: NDArray) -> tuple[NDArray, NDArray]:
 
 def _starts(B: NDArray) -> list[NDArray]:
     """Unit x that suit the directions z in which B is widest on average, widest first."""
-    flat = B.reshape(*B.shape[:-2], -1)
+    flat = B.reshape(*B.shape[:-2], B.shape[-2] * B.shape[-1])
     directions = np.linalg.eigh(flat @ np.swapaxes(flat, -1, -2))[1]
     starts = []
     for i in range(min(_STARTS, B.shape[-3])):

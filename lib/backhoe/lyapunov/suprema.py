@@ -25,7 +25,7 @@ __all__ = ["DOMAINS", "Domain", "Peak", "domain_of", "heaviest", "largest_norm",
 DOMAINS = ("box", "torus")
 _CELLS = {"box": 13, "torus": 16}
 _EACH, _LOOKED_AT = 4, 100
-_TILE = 512
+_TILE, _ROUGHLY = 512, 0.95
 _FINEST, _GAIN, _ROUNDS, _FARTHEST = 1e-6, 1e-12, 300, 5.0
 _STENCIL = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))
 
@@ -102,12 +102,15 @@ def largest_norm(B: Callable[[NDArray], NDArray], domain: Domain) -> Peak:
     maps = B(domain.q)
     bound = unfolded_bound(maps)
     norm, vector = np.zeros(len(bound)), np.zeros((len(bound), 4))
-    order = np.argsort(bound)[::-1]
-    for start in range(0, len(order), _TILE):
-        rows = order[start : start + _TILE]
-        if bound[rows[0]] <= norm.max():
-            break
+
+    def measure(rows: NDArray) -> None:
         norm[rows], vector[rows] = bilinear_norm(maps[rows])
+
+    highest = np.argsort(bound)[::-1][:_TILE]
+    measure(highest)
+    hopeful = np.flatnonzero((bound > norm.max()) & (norm == 0))
+    about, _ = widest(np.zeros((4, 4)), maps[hopeful])
+    measure(hopeful[about > _ROUGHLY * max(norm.max(), about.max(initial=0.0))])
     best = int(np.argmax(norm))
     if domain.name == "postures":
         return Peak(float(norm[best]), domain.q[best])

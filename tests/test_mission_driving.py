@@ -258,7 +258,12 @@ def test_parts_that_write_into_their_arguments_spoil_nothing(plain):
 
 def test_a_plant_of_your_own_brings_its_controller_along():
     with travel.TrackedPlant(backend="analytic") as plant:
-        for extra in ({"velocity_controller": VelocityPI()}, {"pose": (0.0, 0.0, 0.0)}):
+        for extra in (
+            {"velocity_controller": VelocityPI()},
+            {"pose": (0.0, 0.0, 0.0)},
+            {"machine": WIDE},
+            {"backend": "analytic"},
+        ):
             with pytest.raises(ValueError, match="a plant of your own brings them along"):
                 mission.drive(plant=plant, **extra)
 

@@ -314,6 +314,7 @@ def test_the_rovers_meshes_fit_its_description():
         ({"driven": "rear"}, ValueError, 'driven must be "all" or "front"'),
         ({"dt": 0.0005}, ValueError, "dt must be a whole multiple of 0.001 s"),
         ({"dt": "0.02"}, ValueError, "dt must be a whole multiple"),
+        ({"dt": True}, ValueError, "dt must be a whole multiple"),
         ({"pose": (0.0, 1.0)}, ValueError, "pose must be 3 finite numbers"),
         ({"pose": (0.0, 1.0, np.nan)}, ValueError, "pose must be 3 finite numbers"),
         ({"half_track": -0.3}, ValueError, "half_track must be a positive length"),

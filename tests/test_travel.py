@@ -356,6 +356,21 @@ def test_a_given_world_is_driven_as_it_stands_and_left_open():
         world.step(dynamics.gravity_torque(world.q))
 
 
+def test_a_given_world_brings_its_machine_along():
+    with (
+        sim.open_world(backend="analytic", soil=False) as world,
+        pytest.raises(ValueError, match="machine, backend and scene are those of the given world"),
+    ):
+        TrackedPlant(world, machine=WIDE)
+
+
+def test_a_malformed_start_is_refused():
+    with pytest.raises(ValueError, match="pose must be 3 finite numbers"):
+        TrackedPlant(backend="analytic", pose=(0.0, np.nan, 0.0))
+    with pytest.raises(ValueError, match="q must"):
+        TrackedPlant(backend="analytic", posture=np.zeros(3))
+
+
 @pytest.mark.parametrize(
     ("controller", "error", "message"),
     [

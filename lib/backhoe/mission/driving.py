@@ -122,7 +122,8 @@ def drive(
 
     Raises:
         ValueError: a part that returns the wrong shape or values that are not finite, a mode that
-            the path has no times for, or a pose or velocity_controller for a plant of your own.
+            the path has no times for, or a pose, machine, backend or velocity_controller beside a
+            plant of your own.
         TypeError: a part of an unknown name, or one that cannot be called, or a path that is none.
     """
     if unknown:
@@ -138,10 +139,11 @@ def drive(
     mode = ("path" if path.times is None else "trajectory") if mode is None else mode
     settings = path, mode, given, time_limit, record
     if plant is not None:
-        if velocity_controller is not None or pose is not None:
+        others = machine is not BACKHOE or backend != "auto" or pose is not None
+        if velocity_controller is not None or others:
             raise ValueError(
-                "velocity_controller and pose are those of the machine on its tracks: a plant of "
-                "your own brings them along, such as travel.TrackedPlant(controller=..., pose=...)"
+                "velocity_controller, machine, backend and pose are for the plant that drive opens:"
+                " a plant of your own brings them along, as in travel.TrackedPlant(controller=...)"
             )
         return _drive(plant, *settings, own_plant=True)
     controller = _checked_controller(velocity_controller)

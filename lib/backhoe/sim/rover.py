@@ -102,7 +102,11 @@ class Rover:
         self._friction = WheelFriction(vehicle)
         self._closed = False
         self._open()
-        self.reset()
+        try:
+            self.reset()
+        except ValueError:
+            self.close()
+            raise
 
     @property
     def time(self) -> float:
@@ -328,7 +332,8 @@ class AnalyticRover(Rover):
 
 
 def _whole_multiple(dt: float) -> int:
-    ticks = round(dt / STEP) if isinstance(dt, int | float) and isfinite(dt) else 0
+    number = isinstance(dt, int | float) and not isinstance(dt, bool) and isfinite(dt)
+    ticks = round(dt / STEP) if number else 0
     if ticks < 1 or abs(ticks * STEP - dt) > 1e-9:
         raise ValueError(f"dt must be a whole multiple of {STEP} s, got {dt!r}")
     return ticks

@@ -48,7 +48,8 @@ class TrackedPlant:
 
     Raises:
         TypeError: the controller cannot be called.
-        ValueError: dt is no whole multiple of the world's step, or posture or pose is malformed.
+        ValueError: dt is no whole multiple of the world's step, posture or pose is malformed, or a
+            machine, backend or scene comes with a world.
     """
 
     def __init__(
@@ -63,22 +64,29 @@ class TrackedPlant:
         scene: sim.Scene = sim.FLAT,
         pose: ArrayLike | None = None,
     ) -> None:
+        from backhoe.sim.loop import STEP
         from backhoe.travel.hold import Hold
 
         if isinstance(controller, type) or not (controller is None or callable(controller)):
             raise TypeError(f"controller must be a function or an object: {_CALL}")
+        self._ticks = _whole_multiple(dt, STEP if world is None else world.dt)
         self._opened = world is None
         if world is None:
             start = POSTURE if posture is None else posture
             world = sim.open_world(machine, backend=backend, scene=scene, q=start, soil=False)
+        elif machine is not BACKHOE or backend != "auto" or scene is not sim.FLAT:
+            raise ValueError("machine, backend and scene are those of the given world: leave them")
         self.world, self.machine, self.backend = world, world.machine, world.backend
-        self.controller = VelocityPI(machine=self.machine) if controller is None else controller
-        self._ticks = _whole_multiple(dt, world.dt)
         self.dt = self._ticks * world.dt
+        self.controller = VelocityPI(machine=self.machine) if controller is None else controller
         self._hold = Hold(world.q if posture is None else posture, self.machine)
-        self._started = None if pose is None and not self._opened else pose
-        if self._opened or pose is not None:
-            self.reset()
+        self._started = pose
+        try:
+            if self._opened or pose is not None:
+                self.reset()
+        except ValueError:
+            self.close()
+            raise
 
     @property
     def time(self) -> float:

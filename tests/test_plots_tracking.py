@@ -81,12 +81,13 @@ def test_a_straight_pursuit_is_a_straight_line():
     np.testing.assert_allclose(lines_of(ax)["arc"], [(0, 0), (1, 0)])
 
 
-def test_a_radar_of_two_paths_has_its_legend_in_a_panel_of_its_own():
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_a_radar_has_one_panel_a_path_and_one_legend(count):
     chart = tracking.Radar(("x", "y", "z"), ("P", "PI"), [[1, 0.5, 0], [0.2, 1, 1]], (1, 2, 3))
-    fig = plots.radar({"a": chart, "b": chart})
-    names = [[text.get_text() for text in ax.get_legend().texts] for ax in fig.axes[2:3]]
-    assert names == [["P", "PI"]]
-    assert [ax.axison for ax in fig.axes] == [True, True, False, False]
+    fig = plots.radar({str(number): chart for number in range(count)})
+    assert sum(ax.axison for ax in fig.axes) == count
+    legends = [*fig.legends, *(ax.get_legend() for ax in fig.axes if ax.get_legend())]
+    assert [[text.get_text() for text in legend.texts] for legend in legends] == [["P", "PI"]]
 
 
 def test_the_radar_shows_every_value_and_writes_the_worst_beside_its_axis():

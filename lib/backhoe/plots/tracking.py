@@ -121,7 +121,7 @@ def nearest(actual: ArrayLike, path: ArrayLike, distances: ArrayLike) -> Figure:
     """
     points = _line(actual, "actual")
     radii = _checked(distances, (len(points),), "distances")
-    fig, ax = figure(6.8, 4.2)
+    fig, ax = figure(6.8, 3.2)
     ax.plot(*_line(path, "path").T, **KINDS["reference"], label="path")
     ax.plot(*_line(path, "path").T, "o", color=GREY, ms=5, label="way-points")
     circles = [Circle(point, radius) for point, radius in zip(points, radii, strict=True)]
@@ -181,18 +181,25 @@ def radar(charts: Mapping[str, Chart], labels: Mapping[str, str] | None = None) 
     """
     if not charts:
         raise ValueError("nothing to draw: give a title and a chart for each panel")
-    count = len(charts) + 1
-    columns = min(count, 2)
-    rows = -(-count // columns)
+    columns = min(len(charts), 2)
+    rows = -(-len(charts) // columns)
+    spare = rows * columns - len(charts)
     fig, axes = figure(
-        6.8, 3.3 * rows, rows, columns, squeeze=False, subplot_kw={"projection": "polar"}
+        6.8,
+        2.75 * rows + (0.0 if spare else 0.6),
+        rows,
+        columns,
+        squeeze=False,
+        subplot_kw={"projection": "polar"},
     )
     for ax, (title, chart) in zip(axes.flat, charts.items(), strict=False):
         _spokes(ax, title, chart, labels or {})
-    for ax in axes.flat[len(charts) :]:
-        ax.axis("off")
-    handles, names = axes.flat[0].get_legend_handles_labels()
-    axes.flat[len(charts)].legend(handles, names, loc="center", fontsize=11)
+    handles = axes.flat[0].get_legend_handles_labels()
+    if spare:
+        axes.flat[-1].axis("off")
+        axes.flat[-1].legend(*handles, loc="center", fontsize=11)
+    else:
+        fig.legend(*handles, loc="outside lower center", ncols=3)
     return fig
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from backhoe import tracking
+from backhoe import published, skid_steer, tracking
 from backhoe.exercises.path_tracking import controllers, errors, goal, measuring, own, pursuit
 
 
@@ -74,3 +74,72 @@ def test_trackers_of_the_library_pass_as_ones_own():
 def test_a_slow_tracker_on_the_line_is_told_that_it_is_late():
     pursuer = tracking.PurePursuit(0.2, speed=0.2)
     assert "not to the time" in own.judged(pursuer, None)
+
+
+def _compared(paths, controllers=("P", "PI")):
+    """The runs of section 8: the lesson's gains on the linear model, in path mode."""
+    gains = {"P": (4.0,), "PI": (4.0, 1.0)}
+    trackers = {
+        name: tracking.PIDTracker(rho=(1.0,), dy=gains[name], alpha=(1.0,)) for name in controllers
+    }
+    return tracking.compare(
+        trackers,
+        paths,
+        lambda: skid_steer.Plant(dt=0.05, model="linear"),
+        limits=tracking.Limits.of(skid_steer.HUSKY, 1.0),
+        period=0.1,
+    )
+
+
+def test_on_circle_and_eight_the_best_values_are_those_that_table_51_prints_in_bold():
+    bold = published.load("dangelo_2022_table_51")["bold"]
+    compared = _compared({"circle": tracking.circle(), "figure_eight": tracking.figure_eight()})
+    for row, path in enumerate(compared.paths):
+        for field in tracking.Metrics._fields:
+            best = compared.best(field)[row]
+            names = [name for name, marked in zip(compared.trackers, best, strict=True) if marked]
+            assert names == bold[path][field], (path, field)
+
+
+def test_a_square_of_1_2_m_has_the_four_numbers_that_table_51_prints_for_p():
+    square = {"square": tracking.square(1.2), "too large": tracking.square(2.0)}
+    values = _compared(square, ("P",)).values
+    printed = published.load("dangelo_2022_table_51")["P"]["square"]
+    for field, value in printed.items():
+        assert values[field][0, 0] == pytest.approx(value, abs=0.006)
+    assert values["d_ratio"][1, 0] > printed["d_ratio"] + 0.05
+
+
+@pytest.mark.parametrize("path", [tracking.circle(), tracking.square(), tracking.figure_eight()])
+def test_alpha_as_printed_never_arrives_with_gains_that_do_with_the_other_sign(path):
+    def drive(alpha):
+        def tracker(pose, twist, goal, dt):
+            rho, dy, angle = tracking.pose_errors(pose, goal.position, goal.next_position)
+            return rho, 4.0 * dy + (rho <= 0.4) * alpha * angle
+
+        return tracking.follow(tracker, tracking.IdealPlant(0.05), path, time_limit=60.0)
+
+    assert drive(1.0).reached
+    assert not drive(-1.0).reached
+
+
+def test_tables_51_and_52_print_other_numbers_for_p_in_what_both_captions_call_matlab():
+    first, second = (published.load(f"dangelo_2022_table_5{number}") for number in (1, 2))
+    assert all(table["caption"].endswith("MATLAB") for table in (first, second))
+    for path in ("circle", "square", "figure_eight"):
+        assert second[path]["d_mean"] < 0.81 * first["P"][path]["d_mean"]
+
+
+@pytest.mark.parametrize(
+    "make", [tracking.ScagliaTaylor, tracking.ScagliaLinear, tracking.ScagliaRungeKutta]
+)
+def test_the_gains_of_fig_63_steer_otherwise_with_every_sample_time(make):
+    half_track = skid_steer.turning_half_track(skid_steer.HUSKY)
+    eight = tracking.figure_eight().with_times(0.3)
+    limits = tracking.Limits(6.0, skid_steer.HUSKY.wheel_radius, half_track)
+    steering = []
+    for period in (0.05, 0.2, 0.4):
+        plant = skid_steer.Plant(dt=0.05, model="slipping", half_track=half_track)
+        run = tracking.follow(make(), plant, eight, mode="trajectory", period=period, limits=limits)
+        steering.append(tracking.assess(run).change_omega)
+    assert steering[0] > 3 * steering[1] > 5 * steering[2]

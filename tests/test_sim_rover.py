@@ -248,6 +248,8 @@ def test_the_same_drive_repeats_bit_for_bit(backend):
     for _ in range(2):
         with sim.open_rover(backend=backend) as rover:
             logs.append(drive(rover, 0.4, 0.8, 0.4))
+            for _ in range(5):
+                rover.push([40.0, -40.0, 40.0, -40.0])
             rover.reset()
             assert rover.time == 0.0
             logs.append(drive(rover, 0.4, 0.8, 0.4))

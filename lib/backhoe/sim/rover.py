@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.reals import real_array
 from backhoe.sim.rover_urdf import rover_urdf
+from backhoe.sim.wheel_friction import WheelFriction
 
 if TYPE_CHECKING:
     from backhoe.motor import Motor, WheelGains
@@ -40,7 +41,6 @@ GROUP = 5
 _USABLE = 0.9
 """Share of a motor's speed without load that a vehicle can use."""
 
-_TOLERANCE = 1e-6
 _CALL = "wheel_controller(reference (4,), measured (4,)) -> voltage (4,)"
 
 
@@ -99,7 +99,6 @@ class Rover:
             raise ValueError(f"half_track must be a positive length in m, got {half_track!r}")
         self._control = self._controller(gains, wheel_controller)
         self._start = np.zeros(3) if pose is None else _pose(pose)
-        self._friction = WheelFriction(vehicle)
         self._closed = False
         self._open()
         try:
@@ -228,6 +227,7 @@ class Rover:
         self._angles, self._voltage = np.zeros(4), np.zeros(4)
         self._drive, self._damping = np.zeros(4), np.zeros(4)
         self._loads = self.vehicle.loads.copy()
+        self._friction = WheelFriction(self.vehicle, STEP)
         for controller in self._controllers:
             if callable(getattr(controller, "reset", None)):
                 controller.reset()
@@ -297,32 +297,6 @@ class Rover:
     def _check_open(self) -> None:
         if self._closed:
             raise RuntimeError("this rover is closed: open a new one with sim.open_rover()")
-
-
-class WheelFriction:
-    """The slipping model over one step, with loads and drives that change from step to step."""
-
-    def __init__(self, vehicle: Vehicle) -> None:
-        from backhoe.skid_steer import kernels
-
-        self._kernels = kernels
-        self._record = kernels.record([vehicle])
-        self._wheel_inertia = vehicle.wheel_inertia
-        self._length, self._room = np.full(1, STEP), kernels.room()
-
-    def advance(
-        self,
-        state: NDArray,
-        drive: NDArray,
-        damping: NDArray,
-        rotor_inertia: NDArray,
-        loads: NDArray,
-    ) -> None:
-        """Bring state (10,) forward by one step in place; drive and loads of shape (4,)."""
-        record = self._record
-        record["damping"][0], record["load"][0] = damping, loads
-        record["spin"][0] = self._wheel_inertia + rotor_inertia
-        self._kernels.advance(state, drive, record[0], STEP, self._length, _TOLERANCE, self._room)
 
 
 class AnalyticRover(Rover):

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe import sim
 from backhoe.machine import BACKHOE, Machine
 from backhoe.reals import real_array
+from backhoe.travel.hold import Hold
 from backhoe.travel.posture import POSTURE
 from backhoe.travel.velocity import VelocityPI
 
@@ -65,7 +66,6 @@ class TrackedPlant:
         pose: ArrayLike | None = None,
     ) -> None:
         from backhoe.sim.loop import STEP
-        from backhoe.travel.hold import Hold
 
         if isinstance(controller, type) or not (controller is None or callable(controller)):
             raise TypeError(f"controller must be a function or an object: {_CALL}")

@@ -79,6 +79,15 @@ def test_swapping_in_the_librarys_own_parts_changes_nothing(plain):
     assert again.swapped == ("velocity_controller", "tracker")
 
 
+@pytest.mark.parametrize("name", tracking.TRACKERS)
+def test_a_tracker_drives_as_in_follow_with_its_own_sample_time(name):
+    with travel.TrackedPlant(backend="analytic") as plant:
+        plainly = tracking.follow(tracking.TRACKERS[name](), plant, SHORT, mode="trajectory")
+    run = short(tracker=tracking.TRACKERS[name]())
+    np.testing.assert_array_equal(run.pose, plainly.pose)
+    np.testing.assert_array_equal(run.command, plainly.command)
+
+
 def test_the_same_drive_repeats_bit_for_bit_and_in_both_backends(plain):
     np.testing.assert_array_equal(short().pose, plain.pose)
     pytest.importorskip("pybullet")

@@ -230,7 +230,7 @@ class _CheckedTracker:
     """A student's tracker: it gets copies, but for the read-only path; its errors name it."""
 
     def __init__(self, tracker: Callable) -> None:
-        self._tracker = tracker
+        self._tracker, self.period = tracker, getattr(tracker, "period", None)
 
     def reset(self) -> None:
         if callable(getattr(self._tracker, "reset", None)):

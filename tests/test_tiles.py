@@ -9,7 +9,7 @@ from backhoe import tiles
 @pytest.mark.parametrize("count", [0, 1, 9, 10, 11, 79, 80, 81, 1000])
 @pytest.mark.parametrize("cores", [1, 3])
 def test_every_item_is_done_exactly_once(monkeypatch, count, cores):
-    monkeypatch.setattr(tiles, "_cores", lambda: cores)
+    monkeypatch.setattr(tiles, "cores", lambda: cores)
     done = np.zeros(count, dtype=int)
 
     def work(tile):
@@ -21,7 +21,7 @@ def test_every_item_is_done_exactly_once(monkeypatch, count, cores):
 
 @pytest.mark.parametrize("cores", [1, 3])
 def test_an_error_in_a_tile_reaches_the_caller(monkeypatch, cores):
-    monkeypatch.setattr(tiles, "_cores", lambda: cores)
+    monkeypatch.setattr(tiles, "cores", lambda: cores)
 
     def work(tile):
         if tile.start == 50:
@@ -32,4 +32,4 @@ def test_an_error_in_a_tile_reaches_the_caller(monkeypatch, cores):
 
 
 def test_there_is_at_least_one_core():
-    assert tiles._cores() >= 1
+    assert tiles.cores() >= 1

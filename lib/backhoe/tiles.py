@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 
-__all__ = ["for_each_tile"]
+__all__ = ["cores", "for_each_tile"]
 
 _WORTH_SHARING = 8
 
@@ -24,19 +24,20 @@ def for_each_tile(work: Callable[[slice], None], count: int, size: int) -> None:
         size: items in a slice; the last may be shorter.
     """
     tiles = [slice(start, min(start + size, count)) for start in range(0, count, size)]
-    cores = _cores()
-    if cores == 1 or len(tiles) < _WORTH_SHARING:
+    threads = cores()
+    if threads == 1 or len(tiles) < _WORTH_SHARING:
         for tile in tiles:
             work(tile)
         return
     from concurrent.futures import ThreadPoolExecutor
 
-    with ThreadPoolExecutor(cores) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         for _ in pool.map(work, tiles):
             pass
 
 
-def _cores() -> int:
+def cores() -> int:
+    """How many of the processor's cores this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from math import pi
 
 import numpy as np
@@ -13,7 +14,7 @@ from backhoe.closed_loop.batch import Batch, Trajectory
 from backhoe.dynamics.terms import Arm, arm_of
 from backhoe.machine import BACKHOE, Machine
 from backhoe.movement import Movement
-from backhoe.tiles import for_each_tile
+from backhoe.tiles import cores
 
 __all__ = ["COULOMB_SMOOTHING", "LARGEST_ERROR", "LARGEST_SPEED", "simulate"]
 
@@ -119,36 +120,48 @@ def carry_out(task: Task, threads: int | None = None) -> Batch:
         LARGEST_ERROR,
         LARGEST_SPEED,
     )
-    measures = np.zeros((count, 7, 4))
-    taken = np.zeros(count, dtype=int)
+    measures, taken = np.zeros((count, 7, 4)), np.zeros(count, dtype=int)
     rows = -(-samples // task.record_every)
-    logs = {index: np.empty((rows, 3, 4)) for index in task.record}
-    no_log = np.empty((0, 3, 4))
+    logs = np.empty((len(task.record), rows, 3, 4))
+    log_of = np.full(count, -1)
+    log_of[list(task.record)] = np.arange(len(task.record))
+    own = np.zeros((count, 7, 4))
+    own[:, :3], own[:, 3:6], own[:, 6, 0] = task.gains, task.start, task.payload
 
-    def run(index: int) -> None:
-        loaded = arm._replace(m_bu=arm.m_bu + float(task.payload[index]))
-        taken[index] = kernels.run(
-            (loaded, numbers),
+    def run_block(block: slice) -> None:
+        taken[block] = kernels.run(
+            arm,
+            numbers,
             model,
             LAWS.index(task.law),
-            np.require(task.gains[index], requirements=("C", "W")),
+            own[block],
             reference,
-            np.require(task.start[index], requirements=("C", "W")),
             sampling,
             task.record_every,
-            logs.get(index, no_log),
-            measures[index],
+            log_of[block],
+            logs,
+            measures[block],
         )
 
-    def run_tile(tile: slice) -> None:
-        for index in range(tile.start, tile.stop):
-            run(index)
-
-    if threads == 1:
-        run_tile(slice(0, count))
+    threads = cores() if threads is None else threads
+    blocks = _blocks(count, kernels.LANES, threads)
+    if threads == 1 or len(blocks) == 1:
+        for block in blocks:
+            run_block(block)
     else:
-        for_each_tile(run_tile, count, 1)
-    return _batch(task, measures, taken, logs)
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(run_block, blocks))
+    return _batch(task, measures, taken, dict(zip(task.record, logs, strict=True)))
+
+
+def _blocks(count: int, most: int, threads: int) -> list[slice]:
+    """Blocks of about one size, at most `most` runs each, a whole number of them for each thread.
+
+    With fewer runs than threads some threads have none.
+    """
+    rounds = -(-count // (most * threads))
+    size = -(-count // (rounds * threads))
+    return [slice(first, min(first + size, count)) for first in range(0, count, size)]
 
 
 def _numbers(task: Task) -> NDArray:

@@ -16,7 +16,7 @@ from backhoe.progress import progress_bar
 
 __all__ = ["sweep"]
 
-RUNS_IN_A_CHUNK = 16
+RUNS_IN_A_CHUNK = 32
 
 
 def sweep(
@@ -36,7 +36,7 @@ def sweep(
 
     Args:
         gains, movement: as for `simulate`, gains of shape (n, 4).
-        chunks: in how many pieces; one for every 16 runs unless told.
+        chunks: in how many pieces; one for every 32 runs unless told.
         backend: a backend of joblib, such as "loky" or "threading", on all its workers; None for
             what `joblib.parallel_config` says.
         progress: whether to show a bar while it runs; it leaves nothing behind.

@@ -1,0 +1,133 @@
+"""From the sprockets of the tracks to the twist of the backhoe, and on to poses.
+
+Source: Mastalli 2013, eqs. (2.9) and (2.10) corrected, and Algorithm 1 corrected: with the sinc
+form of the arc it needs no threshold, turns to the right are arcs as well, and one pose serves both
+branches.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.machine import BACKHOE, Machine
+from backhoe.odometry.checks import finite, positive
+from backhoe.odometry.dead_reckoning import integrate
+
+__all__ = ["Wheels", "from_angles", "track_twist"]
+
+
+@dataclass(frozen=True)
+class Wheels:
+    """What odometry has to know of a differential drive, each number in m.
+
+    Attributes:
+        left, right: effective radii of the wheels or sprockets [m].
+        gauge: effective distance between the sides [m]; on tracks longer than the real one.
+
+    Raises:
+        ValueError: a length is not positive.
+    """
+
+    left: float
+    right: float
+    gauge: float
+
+    def __post_init__(self) -> None:
+        for name in ("left", "right", "gauge"):
+            object.__setattr__(self, name, positive(getattr(self, name), f"Wheels.{name}", "m"))
+
+    @classmethod
+    def of(cls, machine: Machine = BACKHOE) -> Wheels:
+        """The machine's own sprocket radius and gauge."""
+        radius = machine.tracks.sprocket_radius
+        return cls(radius, radius, machine.tracks.gauge)
+
+    @property
+    def ratio(self) -> float:
+        """Radius right over radius left, E_d [1]."""
+        return self.right / self.left
+
+    @property
+    def mean(self) -> float:
+        """Mean radius [m]."""
+        return (self.left + self.right) / 2
+
+    def twist(self, left: ArrayLike, right: ArrayLike) -> tuple[NDArray, NDArray]:
+        """v and omega from wheel speeds, or distance and turn from wheel angles, shape (...)."""
+        way_left, way_right = self.left * finite(left, "left"), self.right * finite(right, "right")
+        if way_left.shape != way_right.shape:
+            raise ValueError(
+                f"left and right must be alike, got shapes {way_left.shape}, {way_right.shape}"
+            )
+        return (way_left + way_right) / 2, (way_right - way_left) / self.gauge
+
+
+def track_twist(
+    left: ArrayLike,
+    right: ArrayLike,
+    machine: Machine = BACKHOE,
+    *,
+    gauge: float | None = None,
+    slip: tuple[float, float] = (0.0, 0.0),
+) -> tuple[NDArray, NDArray]:
+    """Forward and turning speed of the backhoe from its sprockets.
+
+    Source: Mastalli 2013, eq. (2.9).
+
+    Args:
+        left, right: speeds of the sprockets, shape (...) [rad/s]; or their turns in a time [rad].
+        machine: its sprocket radius and gauge count.
+        gauge: an effective gauge instead of the machine's own [m].
+        slip: longitudinal slip left, right: the share of the belt's way that the ground does not
+            see, below 1 [1].
+
+    Returns:
+        v [m/s] and omega [rad/s], shape (...); or a distance [m] and a turn [rad].
+
+    Raises:
+        ValueError: left and right differ in shape, a value is not finite, gauge is not positive,
+            or a slip is not below 1.
+    """
+    slip = finite(slip, "slip")
+    if slip.shape != (2,) or (slip >= 1).any():
+        raise ValueError(f"slip must be two shares below 1, left and right, got {slip.tolist()}")
+    grip = machine.tracks.sprocket_radius * (1 - slip)
+    gauge = machine.tracks.gauge if gauge is None else gauge
+    return Wheels(grip[0], grip[1], gauge).twist(left, right)
+
+
+def from_angles(
+    pose0: ArrayLike,
+    left: ArrayLike,
+    right: ArrayLike,
+    wheels: Wheels | None = None,
+    method: str = "exact",
+) -> NDArray:
+    """Poses from the angles that two encoders show: the odometry of a drive, in one call.
+
+    Times are not needed: what counts is how far each side turned between readings.
+
+    Args:
+        pose0: x, y, psi at the first reading, shape (3,) or (..., 3) [m, m, rad].
+        left, right: angles of the wheels, not wrapped, shape (..., N+1) [rad].
+        wheels: radii and gauge; default those of the backhoe.
+        method: one of `METHODS`.
+
+    Returns:
+        Shape (..., N+1, 3) [m, m, rad]; psi is not wrapped.
+
+    Raises:
+        ValueError: shapes that do not fit, a value that is not finite, an unknown method.
+    """
+    wheels = Wheels.of() if wheels is None else wheels
+    left, right = finite(left, "left"), finite(right, "right")
+    if left.ndim == 0 or left.shape != right.shape or left.shape[-1] < 2:
+        raise ValueError(
+            "left and right must be alike, with 2 or more readings each, got shapes "
+            f"{left.shape} and {right.shape}"
+        )
+    distance, turn = wheels.twist(np.diff(left), np.diff(right))
+    return integrate(pose0, distance, turn, 1.0, method)

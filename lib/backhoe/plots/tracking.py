@@ -157,7 +157,7 @@ def pursuit(
     ahead = _axes_of(pose[2])[0]
     beside = pose[:2] + (target - pose[:2]) @ ahead * ahead
     ax.plot(*np.array([pose[:2], beside]).T, color=GREY, lw=1.0)
-    _dimension(ax, beside, target, "$y_L$", RED)
+    _dimension(ax, target, beside, "$y_L$", RED)
     _dimension(ax, pose[:2], target, "$d$", GREEN)
     ax.plot(*foot, "s", color=DARK, ms=6, label="nearest point")
     ax.plot(*target, "o", color=ORANGE, mec=DARK, ms=9, label="point ahead", zorder=6)

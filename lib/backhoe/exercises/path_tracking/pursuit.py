@@ -34,7 +34,7 @@ def _cases(rng: np.random.Generator) -> list[tuple]:
         place = path[at] + rng.uniform(0.1, 0.9) * (path[at + 1] - path[at])
         pose = np.append(place + rng.uniform(-0.3, 0.3, 2), turns[at] + rng.uniform(-0.8, 0.8))
         pose[2] += 2 * np.pi * rng.integers(-1, 2)
-        cases.append((pose, path, rng.uniform(0.4, 1.0), rng.uniform(0.2, 0.8)))
+        cases.append((pose, path, rng.uniform(0.5, 1.0), rng.uniform(0.2, 0.8)))
     return cases
 
 
@@ -74,6 +74,20 @@ def _vertex_ahead(pose: NDArray, path: NDArray, lookahead: float, speed: float) 
 
 def _target(pose: NDArray, path: NDArray, lookahead: float) -> NDArray:
     return _at(path, _foot(pose, path) + lookahead)
+
+
+def _leaves_the_circle(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
+    """Steer to where the path, from the nearest point on, leaves the circle of that radius."""
+    arc = _arc(path)
+    start = _foot(pose, path)
+    here = np.searchsorted(arc, start, "right") - 1
+    for a, b in zip(path[here:-1], path[here + 1 :], strict=True):
+        if np.linalg.norm(b - pose[:2]) > lookahead:
+            way, aside = (b - a) / np.linalg.norm(b - a), a - pose[:2]
+            along = -aside @ way
+            along += np.sqrt(along**2 - aside @ aside + lookahead**2)
+            return _steer(pose, a + along * way, speed)
+    return _steer(pose, path[-1], speed)
 
 
 def _lookahead_for_distance(
@@ -146,6 +160,12 @@ PURSUIT = Exercise(
             _lookahead_for_distance,
             "d is the straight way from the vehicle to the point, not the look-ahead along the "
             "path",
+        ),
+        Mistake(
+            "circle about the vehicle",
+            _leaves_the_circle,
+            "you steer to where the path leaves the circle about the vehicle, as the library does: "
+            "here the look-ahead is counted along the path",
         ),
         Mistake(
             "d once",

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe import pid
-from backhoe.dynamics import terms
+from backhoe import dynamics, pid
 from backhoe.kinematics import joint_vector
 from backhoe.machine import BACKHOE, Machine
 from backhoe.travel.posture import POSTURE
@@ -15,7 +14,7 @@ __all__ = ["Hold"]
 
 
 class Hold:
-    """The torque that keeps the arm where it is: gravity compensation and a PD, compiled.
+    """The torque that keeps the arm where it is: the posture's gravity torque and a PD.
 
     Args:
         q: joint angles to keep, shape (4,) [rad].
@@ -29,11 +28,9 @@ class Hold:
         self.q = joint_vector(q).copy()
         if self.q.shape != (4,):
             raise ValueError(f"q must be 4 joint angles, got shape {self.q.shape}")
-        from backhoe.travel import kernels
-
-        self._law, self._arm = kernels.hold, terms.arm_of(machine)
         self._kp, self._kd = np.array(pid.ARM_GAINS.kp), np.array(pid.ARM_GAINS.kd)
+        self._start = dynamics.gravity_torque(self.q, machine) + self._kp * self.q
 
     def __call__(self, q: NDArray, dq: NDArray) -> NDArray:
         """Joint torques, shape (4,) [N m], for angles and speeds of shape (4,) [rad, rad/s]."""
-        return self._law(self._arm, self.q, self._kp, self._kd, q, dq)
+        return self._start - self._kp * q - self._kd * dq

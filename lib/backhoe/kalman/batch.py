@@ -102,8 +102,8 @@ class BatchExtendedKalmanFilter(Filter):
                 self._Q_checked = True
         moved = over_leading_axes(self._f(x.copy(), u, dt), x.shape, "f(x, u, dt)")
         moved = np.require(moved, float, ["C", "W"])
-        P, possible = kernels.propagate_all(moved, F, self._P, Q)
-        if not possible:
+        P = np.empty_like(self._P)
+        if not kernels.propagate_all(moved, F, self._P, Q, P):
             _complain(moved, F, Q)
         self._x, self._P, self.F = moved, P, F if len(F) > 1 else F[0]
         self.x_prior, self.P_prior = moved, P
@@ -139,10 +139,13 @@ class BatchExtendedKalmanFilter(Filter):
             raise ValueError("H must be a function or an array in a batch, got None")
         H = self._matrices(sensor.H(x) if callable(sensor.H) else sensor.H, m, "H(x)")
         R = (sensor.R if R is None else noise(R, m))[None]
-        x, P, S, K, nis = kernels.correct_all(x, self._P, y, H, R)
+        N, n = x.shape
+        x_new, P_new, nis = np.empty((N, n)), np.empty((N, n, n)), np.empty(N)
+        S, K = np.empty((N, m, m)), np.empty((N, n, m))
+        kernels.correct_all(x, self._P, y, H, R, x_new, P_new, S, K, nis)
         if not (nis >= 0).all():
             self._complain_of_run(int(np.flatnonzero(~(nis >= 0))[0]), z, seen, H, S)
-        self._x, self._P = x, P
+        self._x, self._P = x_new, P_new
         self.innovation, self.S, self.K, self.nis = y, S, K, nis
 
     def _look(self, h: Measurement, x: NDArray) -> NDArray:

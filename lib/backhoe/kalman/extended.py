@@ -113,8 +113,8 @@ class ExtendedKalmanFilter(Filter):
                 Q = covariance(Q, self._n, "Q(x, u, dt)")
                 self._Q_checked = True
         moved = plain(self._f(x.copy(), u, dt), x.shape, "f(x, u, dt)")
-        P, possible = kernels.propagate(moved, F, self._P, Q)
-        if not possible:
+        P = np.empty(shape)
+        if not kernels.propagate(moved, F, self._P, Q, P):
             _complain(moved, F, Q)
         self._x, self._P, self.F = moved, P, F
         self.x_prior, self.P_prior = moved, P
@@ -144,9 +144,10 @@ class ExtendedKalmanFilter(Filter):
             ValueError: z is older or newer than the state, has another shape or is not finite; R is
                 missing or not positive definite. The filter is as before then.
         """
-        self._check_time(time)
+        if time is not None:
+            self._check_time(time)
         sensor = self._sensor(h, H, R, angles)
-        x = self._x
+        x, n = self._x, self._n
         seen = self._look(sensor.h, x)
         m = len(seen)
         y = innovation(z, seen, sensor.angles)
@@ -155,12 +156,13 @@ class ExtendedKalmanFilter(Filter):
             H = numerical_jacobian(sensor.h, x, sensor.angles)
         elif callable(H):
             H = H(x)
-        H = plain(H, (m, self._n), "H(x)")
+        H = plain(H, (m, n), "H(x)")
         R = sensor.R if R is None else noise(R, m)
-        x, P, S, K, nis = kernels.correct(x, self._P, y, H, R)
+        x_new, P_new, S, K = np.empty(n), np.empty((n, n)), np.empty((m, m)), np.empty((n, m))
+        nis = kernels.correct(x, self._P, y, H, R, x_new, P_new, S, K)
         if not nis >= 0:
             _complain_of_sensor(z, seen, H, S)
-        self._x, self._P = x, P
+        self._x, self._P = x_new, P_new
         self.innovation, self.S, self.K, self.nis = y, S, K, nis
 
     def _jacobian(self, x: NDArray, u: ArrayLike, dt: float) -> ArrayLike:

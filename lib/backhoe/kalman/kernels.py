@@ -15,55 +15,49 @@ _compiled = njit(cache=True, nogil=True, error_model="numpy")
 
 
 @_compiled
-def propagate(x, F, P, Q):
-    """F P F^T + Q, exactly symmetric, shape (n, n), and whether that and x (n,) can be true."""
-    n = len(P)
-    FP, new = np.empty((n, n)), np.empty((n, n))
-    _propagate(F, P, Q, FP, new)
-    return new, _possible(x, new)
-
-
-@_compiled
-def propagate_all(x, F, P, Q):
-    """The same for N filters, P (N, n, n) and x (N, n); F and Q have N or 1 matrices."""
-    new, FP = np.empty_like(P), np.empty(P.shape[1:])
-    possible = True
-    each_F, each_Q = min(len(F) - 1, 1), min(len(Q) - 1, 1)
-    for k in range(len(P)):
-        _propagate(F[k * each_F], P[k], Q[k * each_Q], FP, new[k])
-        possible &= _possible(x[k], new[k])
-    return new, possible
-
-
-@_compiled
-def correct(x, P, y, H, R):
-    """Update x (n,), P (n, n) with the innovation y (m,) of a sensor H (m, n), R (m, m).
+def propagate(x, F, P, Q, P_new):
+    """P_new becomes F P F^T + Q, exactly symmetric, shape (n, n).
 
     Returns:
-        x, P, S (m, m), K (n, m) and the NIS, which is nan for an S that is not positive definite
-        or numbers that are not finite.
+        Whether that and the state x, shape (n,), can be true.
     """
-    m, n = H.shape
-    x_new, P_new, S, K = np.empty(n), np.empty((n, n)), np.empty((m, m)), np.empty((n, m))
-    work = np.empty((m, n)), np.empty((m, m)), np.empty(m), np.empty((n, n)), np.empty((n, n))
-    nis = _correct(x, P, y, H, R, x_new, P_new, S, K, work)
-    return x_new, P_new, S, K, nis
+    _propagate(F, P, Q, np.empty(P.shape), P_new)
+    return _possible(x, P_new)
 
 
 @_compiled
-def correct_all(x, P, y, H, R):
-    """The same for N filters: x (N, n), P (N, n, n), y (N, m); H and R have N or 1 matrices."""
-    m, n = H.shape[1:]
-    N = len(x)
-    x_new, P_new, nis = np.empty((N, n)), np.empty((N, n, n)), np.empty(N)
-    S, K = np.empty((N, m, m)), np.empty((N, n, m))
-    work = np.empty((m, n)), np.empty((m, m)), np.empty(m), np.empty((n, n)), np.empty((n, n))
+def propagate_all(x, F, P, Q, P_new):
+    """The same for N filters, P and P_new (N, n, n), x (N, n); F and Q have N or 1 matrices."""
+    FP, possible = np.empty(P.shape[1:]), True
+    each_F, each_Q = min(len(F) - 1, 1), min(len(Q) - 1, 1)
+    for k in range(len(P)):
+        _propagate(F[k * each_F], P[k], Q[k * each_Q], FP, P_new[k])
+        possible &= _possible(x[k], P_new[k])
+    return possible
+
+
+@_compiled
+def correct(x, P, y, H, R, x_new, P_new, S, K):
+    """Update x (n,), P (n, n) with the innovation y (m,) of a sensor H (m, n), R (m, m).
+
+    Args:
+        x_new, P_new, S, K: filled in, shapes (n,), (n, n), (m, m), (n, m).
+
+    Returns:
+        The NIS, nan for an S that is not positive definite or numbers that are not finite.
+    """
+    return _correct(x, P, y, H, R, x_new, P_new, S, K, _work(H))
+
+
+@_compiled
+def correct_all(x, P, y, H, R, x_new, P_new, S, K, nis):
+    """The same for N filters, each array with a leading axis N; H and R have N or 1 matrices."""
+    work = _work(H[0])
     each_H, each_R = min(len(H) - 1, 1), min(len(R) - 1, 1)
-    for k in range(N):
+    for k in range(len(x)):
         nis[k] = _correct(
             x[k], P[k], y[k], H[k * each_H], R[k * each_R], x_new[k], P_new[k], S[k], K[k], work
         )
-    return x_new, P_new, S, K, nis
 
 
 @_compiled
@@ -123,6 +117,12 @@ def _propagate(F, P, Q, FP, new):
                 total += FP[i, s] * F[j, s]
             new[i, j] = total
             new[j, i] = total
+
+
+@_compiled
+def _work(H):
+    m, n = H.shape
+    return np.empty((m, n)), np.empty((m, m)), np.empty(m), np.empty((n, n)), np.empty((n, n))
 
 
 @_compiled

@@ -15,6 +15,7 @@ from backhoe.reals import real_array
 __all__ = ["Filter", "Sensor"]
 
 _SAME_TIME = 1e-9
+_FLOAT = np.dtype(float)
 
 Measurement = Callable[[NDArray], ArrayLike]
 
@@ -74,9 +75,9 @@ class Filter:
     ) -> Sensor:
         """The sensor that an update means."""
         if h is None and H is None:
-            if self._own is None:
-                raise ValueError("this filter has no sensor of its own: give h (or H) and R")
             own = self._own
+            if own is None:
+                raise ValueError("this filter has no sensor of its own: give h (or H) and R")
             if R is not None:
                 own = own._replace(R=R)
             return own if angles is None else own._replace(angles=angles)
@@ -94,7 +95,10 @@ class Filter:
 
     def _look(self, h: Measurement, x: NDArray) -> NDArray:
         """h(x) as an array of shape (m,)."""
-        seen = real_array(h(x), "h(x) must be numbers")
+        seen = h(x)
+        if type(seen) is np.ndarray and seen.ndim == 1 and seen.dtype is _FLOAT:
+            return seen
+        seen = real_array(seen, "h(x) must be numbers")
         if seen.ndim == 0:
             seen = seen.reshape(1)
         if seen.ndim != 1:

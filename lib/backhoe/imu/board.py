@@ -1,0 +1,116 @@
+"""An inertial measurement unit in numbers: rates, ranges, noise, biases, resolution.
+
+Of its two boards the source prints the ranges alone; `PROVENANCE` says where the rest comes from.
+
+Source: Mastalli 2013, section 4.4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from math import isfinite, radians
+from numbers import Real
+
+__all__ = [
+    "BOARD_1",
+    "BOARD_2",
+    "IDEAL",
+    "PROVENANCE",
+    "STANDARD_GRAVITY",
+    "Board",
+]
+
+STANDARD_GRAVITY = 9.80665
+"""What "1 g" of a range means [m/s^2]."""
+
+_ENDLESS = float("inf")
+
+
+@dataclass(frozen=True)
+class Board:
+    """Gyroscope and accelerometer, three axes each, sampled together.
+
+    Attributes:
+        rate: samples per second [Hz].
+        gyro_range, accelerometer_range: largest reading either way [rad/s, m/s^2].
+        gyro_noise, accelerometer_noise: standard deviation of one sample [rad/s, m/s^2].
+        gyro_bias, accelerometer_bias: standard deviation of the bias at switching on, from then
+            constant [rad/s, m/s^2].
+        gyro_bias_walk, accelerometer_bias_walk: growth of the bias beside that, a random walk of
+            this standard deviation after one second [rad/s/sqrt(s), m/s^2/sqrt(s)].
+        gyro_resolution, accelerometer_resolution: step of the readings, 0 for none [rad/s, m/s^2].
+
+    Raises:
+        ValueError: rate or a range not positive, another value negative or not a finite number.
+    """
+
+    rate: float
+    gyro_range: float
+    accelerometer_range: float
+    gyro_noise: float = 0.0
+    accelerometer_noise: float = 0.0
+    gyro_bias: float = 0.0
+    accelerometer_bias: float = 0.0
+    gyro_bias_walk: float = 0.0
+    accelerometer_bias_walk: float = 0.0
+    gyro_resolution: float = 0.0
+    accelerometer_resolution: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            endless = field.name.endswith("range") and value == _ENDLESS
+            if isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value):
+                if not endless:
+                    raise ValueError(f"{field.name} must be a finite number, got {value!r}")
+            if value < 0 or (value == 0 and field.name.endswith(("rate", "range"))):
+                raise ValueError(f"{field.name} must be positive, got {value!r}")
+
+    @property
+    def dt(self) -> float:
+        """Time between two samples [s]."""
+        return 1 / self.rate
+
+
+IDEAL = Board(rate=100.0, gyro_range=_ENDLESS, accelerometer_range=_ENDLESS)
+"""No errors, no limits."""
+
+BOARD_1 = Board(
+    rate=100.0,
+    gyro_range=radians(120),
+    accelerometer_range=1.5 * STANDARD_GRAVITY,
+    gyro_noise=radians(0.5),
+    accelerometer_noise=0.03,
+    gyro_bias=radians(0.5),
+    accelerometer_bias=0.05,
+    gyro_bias_walk=radians(0.02),
+    accelerometer_bias_walk=0.001,
+    gyro_resolution=2 * radians(120) / 4096,
+    accelerometer_resolution=3 * STANDARD_GRAVITY / 4096,
+)
+"""Card 1 of the source: 120 deg/s and 1.5 g."""
+
+BOARD_2 = Board(
+    rate=100.0,
+    gyro_range=radians(500),
+    accelerometer_range=6 * STANDARD_GRAVITY,
+    gyro_noise=radians(1.0),
+    accelerometer_noise=0.06,
+    gyro_bias=radians(1.0),
+    accelerometer_bias=0.1,
+    gyro_bias_walk=radians(0.04),
+    accelerometer_bias_walk=0.002,
+    gyro_resolution=2 * radians(500) / 4096,
+    accelerometer_resolution=12 * STANDARD_GRAVITY / 4096,
+)
+"""Card 2 of the source: 500 deg/s and 6 g."""
+
+PROVENANCE = {
+    "gyro_range, accelerometer_range": "Mastalli 2013, section 4.4: 120 deg/s and 1.5 g; "
+    "500 deg/s and 6 g",
+    "rate": "Mastalli 2013, section 4.5: observations at 100 Hz",
+    "gyro_resolution, accelerometer_resolution": "ours: the range over 12 bits",
+    "noise, bias, bias walk": "ours: of the size of low-cost sensors of about 2010; with the wider "
+    "range twice as noisy",
+}
+"""Where each number of the two boards comes from."""

@@ -53,8 +53,8 @@ class Noise:
                 raise ValueError(f"Noise.{field.name} must be finite, 0 or more, got {value!r}")
 
 
-NOISE = Noise(encoder=0.02, gyro=0.02, yaw=0.02, accelerometer=0.02, gyro_bias=0.01)
-"""Mastalli 2013, section 4.6, covariance 0.02 in SI units; the gyro's bias (0.6 deg/s) is ours."""
+NOISE = Noise(encoder=0.02, gyro=0.02, yaw=0.02, accelerometer=0.02, gyro_bias=0.002)
+"""Mastalli 2013, section 4.6, covariance 0.02 in SI units; the gyro's bias (0.1 deg/s) is ours."""
 
 
 @dataclass(frozen=True, eq=False)

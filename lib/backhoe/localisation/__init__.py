@@ -1,0 +1,71 @@
+"""Where the machine is: odometry, the thesis's filter, and an honest one, on the same drives.
+
+    sampling         100 Hz and 30 Hz: what of the samples goes into one cycle
+    model            motion by the encoders with slip and bias, and what the sensors see
+    honest           dead reckoning, and the filter that takes increments for increments
+    thesis           the filter as printed, and its ancestor
+    fixes            total station and landmarks
+    scores           RMSE by Algorithm 2 corrected, and what "improvement" means
+    monte_carlo      many runs: NEES and NIS with their bands
+    observability    what no measurement shows
+    online           the parts of the driving machine, sample by sample
+
+Source: Mastalli 2013, chapter 4.
+"""
+
+from backhoe.localisation.estimate import Estimate
+from backhoe.localisation.fixes import (
+    LANDMARK_STD,
+    STATION_STD,
+    Fix,
+    landmarks,
+    total_station,
+)
+from backhoe.localisation.honest import (
+    LISTENING,
+    START_STD,
+    TURNING_PRIOR,
+    dead_reckoning,
+    honest,
+)
+from backhoe.localisation.model import Model
+from backhoe.localisation.monte_carlo import RUNS, MonteCarlo, monte_carlo, starts
+from backhoe.localisation.observability import Hidden, hidden
+from backhoe.localisation.online import Localiser, Odometer
+from backhoe.localisation.sampling import RATE, Increments, cycles, increments
+from backhoe.localisation.scores import Improvement, improvement, pose_rmse, rmse
+from backhoe.localisation.thesis import PRINTED_Q, as_ancestor, as_printed
+
+__all__ = [
+    "LANDMARK_STD",
+    "LISTENING",
+    "PRINTED_Q",
+    "RATE",
+    "RUNS",
+    "START_STD",
+    "STATION_STD",
+    "TURNING_PRIOR",
+    "Estimate",
+    "Fix",
+    "Hidden",
+    "Improvement",
+    "Increments",
+    "Localiser",
+    "Model",
+    "MonteCarlo",
+    "Odometer",
+    "as_ancestor",
+    "as_printed",
+    "cycles",
+    "dead_reckoning",
+    "hidden",
+    "honest",
+    "improvement",
+    "increments",
+    "landmarks",
+    "monte_carlo",
+    "pose_rmse",
+    "rmse",
+    "starts",
+    "total_station",
+]

@@ -12,7 +12,7 @@ machine itself in the simulation.
     files       CSV in `data/drives/`, the truth apart
 """
 
-from backhoe.drives.files import FOLDER, load, names, write
+from backhoe.drives.files import FOLDER, from_log, load, names, write
 from backhoe.drives.on_tracks import drive_the_machine
 from backhoe.drives.recording import NOISE, SEED, SLIPPING, Noise, Recording, record
 from backhoe.drives.scenarios import RATE, SCENARIOS, Scenario, Segment, Truth, truth
@@ -30,6 +30,7 @@ __all__ = [
     "Segment",
     "Truth",
     "drive_the_machine",
+    "from_log",
     "load",
     "names",
     "record",

@@ -10,11 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
+from backhoe import drive_log
+from backhoe.drive_log import DriveLog
 from backhoe.drives.on_tracks import drive_the_machine
 from backhoe.drives.recording import NOISE, SEED, SLIPPING, Recording, record
 from backhoe.drives.scenarios import SCENARIOS
+from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["FOLDER", "MACHINE", "TRUTH_RATE", "load", "names", "write"]
+__all__ = ["FOLDER", "MACHINE", "TRUTH_RATE", "from_log", "load", "names", "write"]
 
 FOLDER = Path(__file__).resolve().parents[3] / "data" / "drives"
 
@@ -25,8 +28,9 @@ MACHINE = "backhoe"
 """The drive of the machine itself."""
 
 _COMMAND = "python -m backhoe.drives"
+_COLUMNS = ("left_rate", "right_rate"), ("gyro", "yaw"), ("x", "y", "psi")
 _FILES = {
-    "encoders": ("t [s],left [rad/s],right [rad/s]", "%.2f,%.3f,%.3f"),
+    "encoders": ("t [s],left_rate [rad/s],right_rate [rad/s]", "%.2f,%.3f,%.3f"),
     "imu": ("t [s],gyro [rad/s],yaw [rad]", "%.2f,%.3f,%.3f"),
     "truth": ("t [s],x [m],y [m],psi [rad]", "%.2f,%.4f,%.4f,%.4f"),
 }
@@ -54,20 +58,69 @@ def load(name: str, folder: str | Path = FOLDER) -> Recording:
     """
     if name not in names():
         raise ValueError(f"no drive {name!r}: there are {', '.join(names())}")
-    encoders, imu, truth = (_read(path) for path in _paths(name, Path(folder)))
-    if len(encoders) != len(imu) or (encoders[:, 0] != imu[:, 0]).any():
-        raise ValueError(f"encoders and IMU of {name!r} have different times: {_COMMAND}")
+    encoders, imu, truth = (
+        _read(path, columns)
+        for path, columns in zip(_paths(name, Path(folder)), _COLUMNS, strict=True)
+    )
+    return from_log(encoders, imu, truth, name=name)
+
+
+def from_log(
+    encoders: DriveLog,
+    imu: DriveLog | None = None,
+    truth: DriveLog | None = None,
+    *,
+    name: str = "a log",
+    machine: Machine = BACKHOE,
+) -> Recording:
+    """A recording from logs, your own for instance, as `drive_log.read` gives them.
+
+    Args:
+        encoders: with left_rate, right_rate [rad/s], or left, right as angles [rad].
+        imu: with gyro [rad/s], yaw [rad] or both, at the times of the encoders; default what the
+            encoders' log has of them. What is missing is NaN.
+        truth: with x, y, psi; default what the encoders' log has, else the origin at the start.
+        name: of the drive.
+        machine: whose gauge and sprockets these are.
+
+    Returns:
+        The recording; turning and bias are NaN: a filter shall find them.
+
+    Raises:
+        ValueError: no encoders in the log, or an IMU with other times.
+    """
+    imu = encoders if imu is None else imu
+    if len(encoders) != len(imu) or (encoders.time != imu.time).any():
+        raise ValueError(f"encoders and IMU of {name!r} must have the same times")
+    truth = encoders if truth is None else truth
+    known = all(column in truth for column in ("x", "y", "psi"))
+    missing = np.full(len(imu), np.nan)
+    left, right = _rates(encoders, name)
     return Recording(
         name=name,
-        time=encoders[:, 0],
-        left=encoders[:, 1],
-        right=encoders[:, 2],
-        gyro=imu[:, 1],
-        yaw=imu[:, 2],
-        truth_time=truth[:, 0],
-        truth=truth[:, 1:],
+        time=encoders.time,
+        left=left,
+        right=right,
+        gyro=imu["gyro"] if "gyro" in imu else missing,
+        yaw=imu["yaw"] if "yaw" in imu else missing,
+        truth_time=truth.time if known else encoders.time[:1],
+        truth=truth.pose if known else np.zeros((1, 3)),
         turning=np.nan,
         bias=np.array(np.nan),
+        machine=machine,
+    )
+
+
+def _rates(log: DriveLog, name: str) -> tuple[np.ndarray, np.ndarray]:
+    if "left_rate" in log and "right_rate" in log:
+        return log["left_rate"], log["right_rate"]
+    if "left" in log and "right" in log:
+        sides = (np.diff(angles) / np.diff(log.time) for angles in log.angles())
+        left, right = (np.concatenate([side[:1], side]) for side in sides)
+        return left, right
+    raise ValueError(
+        f"the log of {name!r} must have left_rate and right_rate [rad/s], or left and right [rad], "
+        f"got {', '.join(log.columns)}"
     )
 
 
@@ -86,7 +139,10 @@ def write(folder: str | Path = FOLDER) -> list[Path]:
     for name in names():
         scenario = name.removesuffix("_slip")
         if name == MACHINE:
-            drive, title = drive_the_machine(), "the simulated machine along its G, slip included"
+            drive, title = (
+                drive_the_machine(),
+                "the simulated machine along a G with the slip of its tracks",
+            )
         else:
             slips = name != scenario
             drive = record(scenario, turning=SLIPPING if slips else 1.0)
@@ -136,13 +192,7 @@ def _slip(drive: Recording, slips: bool) -> str:
     return "no slip"
 
 
-def _read(path: Path) -> np.ndarray:
+def _read(path: Path, columns: tuple[str, ...]) -> DriveLog:
     if not path.is_file():
         raise FileNotFoundError(f"no file {path}: {_COMMAND} makes it")
-    kind = path.stem.rsplit("_", 1)[1]
-    lines = path.read_text(encoding="utf-8").splitlines()
-    rows = [line for line in lines if line and not line.startswith("#")]
-    header = _FILES[kind][0]
-    if not rows or rows[0] != header:
-        raise ValueError(f"{path.name} must have the header {header!r}: {_COMMAND} makes it anew")
-    return np.loadtxt(rows[1:], delimiter=",", ndmin=2)
+    return drive_log.read(path, require=columns)

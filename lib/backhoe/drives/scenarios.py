@@ -62,7 +62,7 @@ SCENARIOS = {
     for scenario in (
         Scenario(
             "rectangle",
-            "quasi-rectangle, 67 s",
+            "a quasi-rectangle of 67 s",
             (
                 Segment(3.0, 0.0, 0.0),
                 Segment(12.0, 0.5, 0.0),
@@ -79,7 +79,7 @@ SCENARIOS = {
         ),
         Scenario(
             "g",
-            "G that ends in a curve, 100 s",
+            "a G of 100 s that ends in a curve",
             (
                 Segment(3.0, 0.0, 0.0),
                 Segment(12.0, 0.5, 0.0),
@@ -92,7 +92,7 @@ SCENARIOS = {
         ),
         Scenario(
             "circle",
-            "circle and oscillating straight, 180 s",
+            "a circle and an oscillating straight of 180 s",
             (
                 Segment(3.0, 0.0, 0.0),
                 Segment(94.5, 0.6, 2.25 * pi / 94.5),

@@ -38,6 +38,8 @@ _CHANGES = ("left", "right", "psi", "roll", "pitch", "x", "y", "z")
 _TURN_PER_ROLL = (0.01, 5.0)
 _WAY_PER_ROLL = (0.012, 3.0)
 _DEGREES = (25.0, 130.0)
+_LEAST_ROLL = 0.1
+"""Turn of the wheels in a second below which nothing is concluded from it [rad]."""
 
 Where = Callable[[int, str], str]
 
@@ -102,7 +104,7 @@ def _check_jumps(
     allowed = 20 * usual + (10 if unit == "ticks" else limit * np.diff(time))
     for k in np.flatnonzero(np.abs(steps) > allowed):
         old, new = values[k], values[k + 1]
-        if unit == "ticks" and _overflows(steps[k], max(old, new), usual):
+        if unit == "ticks" and _overflows(steps[k], values, usual):
             continue
         if min(abs(new), abs(new - values[0])) <= 20 * usual and abs(new) < abs(old):
             raise ValueError(
@@ -115,16 +117,15 @@ def _check_jumps(
         )
 
 
-def _overflows(step: float, highest: float, usual: float) -> bool:
+def _overflows(step: float, values: NDArray, usual: float) -> bool:
     """Whether a step of ticks is one round of a counter of 8 to 32 bits, give or take a usual one.
 
-    Counters that start below zero reach only half their range.
+    Such a counter has shown readings up to its top, and none above.
     """
-    rounds = 2.0 ** np.arange(8, 33)
-    near = np.abs(np.abs(step) - rounds) <= 20 * usual + 10
-    top = np.abs(highest - rounds) <= 20 * usual + 10
-    half = np.abs(highest - rounds / 2) <= 20 * usual + 10
-    return bool((near & (top | half)).any())
+    rounds, near = 2.0 ** np.arange(8, 33), 5 * usual + 10
+    turned = np.abs(np.abs(step) - rounds) <= near
+    below = np.array([rounds, rounds / 2]) - values.max()
+    return bool((turned & ((below > 0) & (below <= near)).any(axis=0)).any())
 
 
 def _check_wrapping(psi: NDArray, where: Where) -> None:
@@ -224,7 +225,7 @@ def _compare_turns(psi: NDArray, gyro: NDArray, file: str) -> None:
 
 
 def _compare_with_wheels(name: str, turn: NDArray, roll: NDArray, file: str) -> None:
-    if np.abs(roll).sum() < 1e-9 or np.abs(roll).max() < 0.5:
+    if np.abs(roll).max() < _LEAST_ROLL:
         return
     ratio = abs(float(turn @ roll / (roll @ roll)))
     unsure = np.abs(turn).max() < 0.1
@@ -238,13 +239,14 @@ def _compare_with_wheels(name: str, turn: NDArray, roll: NDArray, file: str) -> 
 
 
 def _compare_way(way: NDArray, roll: NDArray, file: str) -> None:
-    rolled = float(np.abs(roll).sum())
-    if rolled < 1e-9 or np.abs(roll).max() < 0.5:
+    if np.abs(roll).max() < _LEAST_ROLL:
         return
-    radius = float(way.sum()) / rolled
+    radius = float(way @ np.abs(roll) / (roll @ roll))
     low, high = _WAY_PER_ROLL
     if radius > high or (radius < low and way.max() > 0.01):
-        wrong = "x, y in millimetres" if radius > high else "left, right in degrees"
+        wrong = "left, right in degrees"
+        if radius > high:
+            wrong = f"x, y in {'millimetres' if radius > 100 else 'centimetres'}"
         raise ValueError(
             f"{file}, columns x, y, left, right: a way of {radius:.3g} m for each rad of the wheels"
             f", which would be their radius: are {wrong}? Write the unit in the header"

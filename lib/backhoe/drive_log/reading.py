@@ -106,15 +106,17 @@ def read(
 
 
 def _text(name: str, require: Sequence[str]) -> _Text:
+    comments = []
     try:
-        with open(name, encoding="utf-8-sig", newline="") as stream:
-            reader = csv.reader(stream)
-            lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+        with open(name, encoding="utf-8-sig") as stream:
+            raw = stream.read().split("\n")
+        while raw and raw[0].startswith("#"):
+            comments.append(raw.pop(0)[1:].strip())
+        reader = csv.reader(raw)
+        lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
     except (UnicodeDecodeError, csv.Error) as error:
         raise ValueError(f"{name} is not a CSV text file: {error}") from error
-    comments = []
-    while lines and lines[0][1] and lines[0][1][0].startswith("#"):
-        comments.append(",".join(lines.pop(0)[1])[1:].strip())
+    lines = [(len(comments) + number, cells) for number, cells in lines]
     while lines and not any(lines[-1][1]) and len(lines[-1][1]) < 2:
         lines.pop()
     if not lines:

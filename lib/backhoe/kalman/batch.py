@@ -143,8 +143,9 @@ class BatchExtendedKalmanFilter(Filter):
         x_new, P_new, nis = np.empty((N, n)), np.empty((N, n, n)), np.empty(N)
         S, K = np.empty((N, m, m)), np.empty((N, n, m))
         kernels.correct_all(x, self._P, y, H, R, x_new, P_new, S, K, nis)
-        if not (nis >= 0).all():
-            self._complain_of_run(int(np.flatnonzero(~(nis >= 0))[0]), z, seen, H, S)
+        possible = (nis >= 0) & (nis < np.inf)
+        if not possible.all():
+            self._complain_of_run(int(np.argmin(possible)), z, seen, H, S)
         self._x, self._P = x_new, P_new
         self.innovation, self.S, self.K, self.nis = y, S, K, nis
 

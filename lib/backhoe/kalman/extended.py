@@ -13,6 +13,7 @@ Source: Mastalli 2013, section 4.2.3.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -160,7 +161,7 @@ class ExtendedKalmanFilter(Filter):
         R = sensor.R if R is None else noise(R, m)
         x_new, P_new, S, K = np.empty(n), np.empty((n, n)), np.empty((m, m)), np.empty((n, m))
         nis = kernels.correct(x, self._P, y, H, R, x_new, P_new, S, K)
-        if not nis >= 0:
+        if not 0 <= nis < inf:
             _complain_of_sensor(z, seen, H, S)
         self._x, self._P = x_new, P_new
         self.innovation, self.S, self.K, self.nis = y, S, K, nis

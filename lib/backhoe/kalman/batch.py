@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.kalman import kernels
+from backhoe.kalman import lanes
 from backhoe.kalman.arguments import covariance, duration, finite
 from backhoe.kalman.extended import Motion, _complain, _complain_of_sensor
 from backhoe.kalman.sensing import Filter, Measurement, innovation, noise
@@ -100,13 +100,14 @@ class BatchExtendedKalmanFilter(Filter):
             if not self._Q_checked:
                 covariance(Q, n, "Q(x, u, dt)", runs=len(Q))
                 self._Q_checked = True
-        moved = over_leading_axes(self._f(x.copy(), u, dt), x.shape, "f(x, u, dt)")
-        moved = np.require(moved, float, ["C", "W"])
-        P = np.empty_like(self._P)
-        if not kernels.propagate_all(moved, F, self._P, Q, P):
+        moved = over_leading_axes(self._f(x.copy(order="K"), u, dt), x.shape, "f(x, u, dt)")
+        rows = self._rows(self._P)
+        P = np.empty_like(rows)
+        lanes.propagate(self._rows(F), rows, self._rows(Q), P)
+        if not (np.isfinite(moved).all() and np.isfinite(P).all() and _diagonal(P).min() >= 0):
             _complain(moved, F, Q)
-        self._x, self._P, self.F = moved, P, F if len(F) > 1 else F[0]
-        self.x_prior, self.P_prior = moved, P
+        self._x, self._P = _rows(moved).T, np.moveaxis(P, -1, 0)
+        self.x_prior, self.P_prior, self.F = self._x, self._P, F if len(F) > 1 else F[0]
         self.time += dt
         self.predictions += 1
 
@@ -139,15 +140,16 @@ class BatchExtendedKalmanFilter(Filter):
             raise ValueError("H must be a function or an array in a batch, got None")
         H = self._matrices(sensor.H(x) if callable(sensor.H) else sensor.H, m, "H(x)")
         R = (sensor.R if R is None else noise(R, m))[None]
-        N, n = x.shape
-        x_new, P_new, nis = np.empty((N, n)), np.empty((N, n, n)), np.empty(N)
-        S, K = np.empty((N, m, m)), np.empty((N, n, m))
-        kernels.correct_all(x, self._P, y, H, R, x_new, P_new, S, K, nis)
+        (N, n), P = x.shape, self._rows(self._P)
+        x_new, P_new, nis = np.empty((n, N)), np.empty((n, n, N)), np.empty(N)
+        S, K = np.empty((m, m, N)), np.empty((n, m, N))
+        lanes.correct(_rows(x), P, _rows(y), self._rows(H), self._rows(R), x_new, P_new, S, K, nis)
         possible = (nis >= 0) & (nis < np.inf)
         if not possible.all():
             self._complain_of_run(int(np.argmin(possible)), z, seen, H, S)
-        self._x, self._P = x_new, P_new
-        self.innovation, self.S, self.K, self.nis = y, S, K, nis
+        self._x, self._P = x_new.T, np.moveaxis(P_new, -1, 0)
+        self.innovation, self.nis = y, nis
+        self.S, self.K = np.moveaxis(S, -1, 0), np.moveaxis(K, -1, 0)
 
     def _look(self, h: Measurement, x: NDArray) -> NDArray:
         seen = real_array(h(x), "h(x) must be numbers")
@@ -173,11 +175,29 @@ class BatchExtendedKalmanFilter(Filter):
             )
         return value
 
+    def _rows(self, matrices: NDArray) -> NDArray:
+        """(N, i, j) or (1, i, j) as (i, j, N), where each element is a row."""
+        rows = np.moveaxis(matrices, 0, -1)
+        if rows.shape[-1] == self._runs and rows.flags.carray:
+            return rows
+        spread = np.empty((*rows.shape[:-1], self._runs))
+        spread[...] = rows
+        return spread
+
     def _complain_of_run(
         self, run: int, z: ArrayLike, seen: NDArray, H: NDArray, S: NDArray
     ) -> None:
         z = np.asarray(z, float).reshape(seen.shape)
         try:
-            _complain_of_sensor(z[run], seen[run], H[run if len(H) > 1 else 0], S[run])
+            _complain_of_sensor(z[run], seen[run], H[run if len(H) > 1 else 0], S[..., run])
         except ValueError as error:
             raise ValueError(f"in run {run}: {error}") from None
+
+
+def _rows(vectors: NDArray) -> NDArray:
+    """(N, n) as (n, N)."""
+    return np.require(vectors.T, float, ["C", "W"])
+
+
+def _diagonal(P: NDArray) -> NDArray:
+    return P[np.arange(len(P)), np.arange(len(P))]

@@ -1,7 +1,7 @@
-"""The arithmetic of a step for small matrices, compiled: one filter, or many side by side.
+"""The arithmetic of a filter's step for small matrices, compiled.
 
-Both go through the same lines, so that a filter has the same numbers alone and in company. With so
-few numbers a call of NumPy costs more than the sums in it; `equations` says the same in NumPy.
+With so few numbers a call of NumPy costs more than the sums in it. `equations` says the same in
+NumPy, and `lanes` does it for many filters side by side.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["correct", "correct_all", "propagate", "propagate_all", "root_all"]
+__all__ = ["correct", "propagate", "root_all"]
 
 _compiled = njit(cache=True, nogil=True, error_model="numpy")
 
@@ -26,17 +26,6 @@ def propagate(x, F, P, Q, P_new):
 
 
 @_compiled
-def propagate_all(x, F, P, Q, P_new):
-    """The same for N filters, P and P_new (N, n, n), x (N, n); F and Q have N or 1 matrices."""
-    FP, possible = np.empty(P.shape[1:]), True
-    each_F, each_Q = min(len(F) - 1, 1), min(len(Q) - 1, 1)
-    for k in range(len(P)):
-        _propagate(F[k * each_F], P[k], Q[k * each_Q], FP, P_new[k])
-        possible &= _possible(x[k], P_new[k])
-    return possible
-
-
-@_compiled
 def correct(x, P, y, H, R, x_new, P_new, S, K):
     """Update x (n,), P (n, n) with the innovation y (m,) of a sensor H (m, n), R (m, m).
 
@@ -47,17 +36,6 @@ def correct(x, P, y, H, R, x_new, P_new, S, K):
         The NIS, nan for an S that is not positive definite or numbers that are not finite.
     """
     return _correct(x, P, y, H, R, x_new, P_new, S, K, _work(H))
-
-
-@_compiled
-def correct_all(x, P, y, H, R, x_new, P_new, S, K, nis):
-    """The same for N filters, each array with a leading axis N; H and R have N or 1 matrices."""
-    work = _work(H[0])
-    each_H, each_R = min(len(H) - 1, 1), min(len(R) - 1, 1)
-    for k in range(len(x)):
-        nis[k] = _correct(
-            x[k], P[k], y[k], H[k * each_H], R[k * each_R], x_new[k], P_new[k], S[k], K[k], work
-        )
 
 
 @_compiled

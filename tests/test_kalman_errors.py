@@ -1,5 +1,8 @@
 """Bad input to the filters: what was expected, what came, and a filter left as it was."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -269,3 +272,11 @@ def test_wrap_is_within_half_a_turn():
     assert ((found > -np.pi) & (found <= np.pi)).all()
     np.testing.assert_allclose(np.exp(1j * found), np.exp(1j * angles), atol=1e-13)
     np.testing.assert_allclose(kalman.residual(angles, 0.0 * angles, range(6)), found, atol=1e-13)
+
+
+def test_importing_the_filters_loads_nothing_heavy():
+    code = "import sys, backhoe.kalman, backhoe.imu, backhoe.printed.kalman; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert {"numba", "scipy", "filterpy", "matplotlib"}.isdisjoint(loaded.stdout.split())

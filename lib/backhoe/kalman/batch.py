@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.kalman import lanes
 from backhoe.kalman.arguments import covariance, duration, finite
+from backhoe.kalman.compiled import lanes
 from backhoe.kalman.extended import Motion, _complain, _complain_of_sensor
 from backhoe.kalman.sensing import Filter, Measurement, innovation, noise
 from backhoe.kalman.unscented import over_leading_axes
@@ -103,10 +103,10 @@ class BatchExtendedKalmanFilter(Filter):
         moved = over_leading_axes(self._f(x.copy(order="K"), u, dt), x.shape, "f(x, u, dt)")
         rows = self._rows(self._P)
         P = np.empty_like(rows)
-        lanes.propagate(self._rows(F), rows, self._rows(Q), P)
+        lanes().propagate(self._rows(F), rows, self._rows(Q), P)
         if not (np.isfinite(moved).all() and np.isfinite(P).all() and _diagonal(P).min() >= 0):
             _complain(moved, F, Q)
-        self._x, self._P = _rows(moved).T, np.moveaxis(P, -1, 0)
+        self._x, self._P = _rows(moved).T, P.transpose(2, 0, 1)
         self.x_prior, self.P_prior, self.F = self._x, self._P, F if len(F) > 1 else F[0]
         self.time += dt
         self.predictions += 1
@@ -143,13 +143,15 @@ class BatchExtendedKalmanFilter(Filter):
         (N, n), P = x.shape, self._rows(self._P)
         x_new, P_new, nis = np.empty((n, N)), np.empty((n, n, N)), np.empty(N)
         S, K = np.empty((m, m, N)), np.empty((n, m, N))
-        lanes.correct(_rows(x), P, _rows(y), self._rows(H), self._rows(R), x_new, P_new, S, K, nis)
+        lanes().correct(
+            _rows(x), P, _rows(y), self._rows(H), self._rows(R), x_new, P_new, S, K, nis
+        )
         possible = (nis >= 0) & (nis < np.inf)
         if not possible.all():
             self._complain_of_run(int(np.argmin(possible)), z, seen, H, S)
-        self._x, self._P = x_new.T, np.moveaxis(P_new, -1, 0)
+        self._x, self._P = x_new.T, P_new.transpose(2, 0, 1)
         self.innovation, self.nis = y, nis
-        self.S, self.K = np.moveaxis(S, -1, 0), np.moveaxis(K, -1, 0)
+        self.S, self.K = S.transpose(2, 0, 1), K.transpose(2, 0, 1)
 
     def _look(self, h: Measurement, x: NDArray) -> NDArray:
         seen = real_array(h(x), "h(x) must be numbers")
@@ -177,7 +179,7 @@ class BatchExtendedKalmanFilter(Filter):
 
     def _rows(self, matrices: NDArray) -> NDArray:
         """(N, i, j) or (1, i, j) as (i, j, N), where each element is a row."""
-        rows = np.moveaxis(matrices, 0, -1)
+        rows = matrices.transpose(1, 2, 0)
         if rows.shape[-1] == self._runs and rows.flags.carray:
             return rows
         spread = np.empty((*rows.shape[:-1], self._runs))

@@ -18,8 +18,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.kalman import kernels
 from backhoe.kalman.arguments import covariance, duration, finite, plain
+from backhoe.kalman.compiled import kernels
 from backhoe.kalman.equations import numerical_jacobian
 from backhoe.kalman.sensing import Filter, Measurement, innovation, noise
 
@@ -115,7 +115,7 @@ class ExtendedKalmanFilter(Filter):
                 self._Q_checked = True
         moved = plain(self._f(x.copy(), u, dt), x.shape, "f(x, u, dt)")
         P = np.empty(shape)
-        if not kernels.propagate(moved, F, self._P, Q, P):
+        if not kernels().propagate(moved, F, self._P, Q, P):
             _complain(moved, F, Q)
         self._x, self._P, self.F = moved, P, F
         self.x_prior, self.P_prior = moved, P
@@ -160,7 +160,7 @@ class ExtendedKalmanFilter(Filter):
         H = plain(H, (m, n), "H(x)")
         R = sensor.R if R is None else noise(R, m)
         x_new, P_new, S, K = np.empty(n), np.empty((n, n)), np.empty((m, m)), np.empty((n, m))
-        nis = kernels.correct(x, self._P, y, H, R, x_new, P_new, S, K)
+        nis = kernels().correct(x, self._P, y, H, R, x_new, P_new, S, K)
         if not 0 <= nis < inf:
             _complain_of_sensor(z, seen, H, S)
         self._x, self._P = x_new, P_new

@@ -1,7 +1,7 @@
 """The arithmetic of a filter's step for small matrices, compiled.
 
 With so few numbers a call of NumPy costs more than the sums in it. `equations` says the same in
-NumPy, and `lanes` does it for many filters side by side.
+NumPy, and `lane_kernels` does it for many filters side by side.
 """
 
 from __future__ import annotations

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.kalman import kernels
 from backhoe.kalman.angles import residual, wrap_components
 from backhoe.kalman.arguments import covariance, duration, exactly, finite
+from backhoe.kalman.compiled import kernels
 from backhoe.kalman.extended import Motion
 from backhoe.kalman.sensing import Filter, Measurement, noise
 from backhoe.kalman.unscented import over_leading_axes
@@ -170,7 +170,7 @@ class ParticleFilter(Filter):
         self.weights = np.full(len(chosen), 1 / len(chosen))
 
     def _draw(self, P: NDArray, shape: tuple[int, int]) -> NDArray:
-        roots = kernels.root_all(np.ascontiguousarray(P).reshape(-1, self._n, self._n))
+        roots = kernels().root_all(np.ascontiguousarray(P).reshape(-1, self._n, self._n))
         normal = self._rng.standard_normal(shape)
         return normal @ roots[0].T if len(roots) == 1 else (roots @ normal[..., None])[..., 0]
 

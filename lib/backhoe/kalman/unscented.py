@@ -10,9 +10,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.kalman import kernels
 from backhoe.kalman.angles import residual
 from backhoe.kalman.arguments import covariance, duration, exactly, finite
+from backhoe.kalman.compiled import kernels
 from backhoe.kalman.extended import Motion
 from backhoe.kalman.sensing import Filter, Measurement, innovation, noise
 from backhoe.reals import real_array
@@ -181,7 +181,7 @@ def _weights(n: int, alpha: float, beta: float, kappa: float) -> tuple[float, ND
 def _points(
     x: NDArray, P: NDArray, distance: float, mean: NDArray, weights: NDArray
 ) -> tuple[NDArray, NDArray, NDArray]:
-    root = kernels.root_all(np.ascontiguousarray(P)[None])[0]
+    root = kernels().root_all(np.ascontiguousarray(P)[None])[0]
     if np.isnan(root).any():
         raise ValueError("P has a negative eigenvalue: the filter has lost it, raise Q or alpha")
     steps = distance * root.T

@@ -337,6 +337,33 @@ def test_a_wrapped_heading_is_named_and_put_together_only_on_request(tmp_path):
     np.testing.assert_allclose(drive_log.read(file, unwrap=True)["psi"], psi, atol=1e-12)
 
 
+def test_the_yaw_of_an_imu_may_be_wrapped_and_still_betrays_degrees(tmp_path):
+    columns = drive()
+    yaw = columns.pop("psi [rad]") + 2.7
+    columns["yaw [rad]"] = (yaw + np.pi) % (2 * np.pi) - np.pi
+    assert len(drive_log.read(saved(tmp_path, columns))) == 601
+    columns["yaw [rad]"] = np.degrees(columns["yaw [rad]"])
+    with pytest.raises(ValueError, match=r"column yaw \[rad\]: changes by .* is it in degrees"):
+        drive_log.read(saved(tmp_path, columns))
+    columns = slow()
+    columns["yaw [rad]"] = np.degrees(columns.pop("psi [rad]"))
+    with pytest.raises(ValueError, match=r"column yaw: turns 57.3 times as far as gyro says"):
+        drive_log.read(saved(tmp_path, columns))
+
+
+def test_a_machine_that_stands_still_is_no_error(tmp_path):
+    columns = {label: 0 * values for label, values in drive().items() if label != "t [s]"}
+    log = drive_log.read(saved(tmp_path, {"t [s]": drive()["t [s]"]} | columns))
+    assert not log["left"].any()
+
+
+def test_jumps_of_a_wheel_are_believed_when_its_limit_is_lifted(tmp_path):
+    columns = drive()
+    columns["right [rad]"] = columns["right [rad]"] + 40.0 * (np.arange(601) >= 200)
+    limits = {"right": None, "psi": None, "gyro": None}
+    assert len(drive_log.read(saved(tmp_path, columns), limits=limits)) == 601
+
+
 @pytest.mark.parametrize(
     ("columns", "message"),
     [

@@ -84,6 +84,20 @@ def test_without_approximation_the_wheels_come_back_exactly(ratio, factor):
     )
 
 
+def test_measured_ends_with_noise_are_solved_near_the_formulas():
+    rng = np.random.default_rng(5)
+    cw, ccw = (end[:, :2] + 0.03 * rng.normal(size=(5, 2)) for end in ends(wheels(0.998, 1.02)))
+    exact = odometry.umbmark_exact(cw, ccw, SIDE, NOMINAL)
+    first = odometry.umbmark(cw, ccw, SIDE, NOMINAL)
+    assert exact.ratio == pytest.approx(first.ratio, abs=3e-4)
+    assert exact.gauge_factor == pytest.approx(first.gauge_factor, abs=1e-3)
+
+
+def test_ends_that_no_wheels_explain_are_refused():
+    with pytest.raises(ArithmeticError, match="no wheels were found whose squares end there"):
+        odometry.umbmark_exact([[2.2, 0.9]], [[0.8, -3.5]], SIDE, NOMINAL)
+
+
 def test_one_way_round_alone_would_take_a_gauge_for_unequal_wheels():
     gauge_wrong = wheels(1.0, 1.005)
     alpha = np.pi / 2 * (1 - 1 / 1.005)

@@ -37,7 +37,7 @@ KINDS = {
     "t": ("s",),
     **dict.fromkeys(("left", "right"), ("rad", "ticks")),
     **dict.fromkeys(("left_rate", "right_rate", "gyro", "omega"), ("rad/s",)),
-    **dict.fromkeys(("psi", "roll", "pitch"), ("rad",)),
+    **dict.fromkeys(("psi", "yaw", "roll", "pitch"), ("rad",)),
     **dict.fromkeys(("x", "y", "z"), ("m",)),
     "v": ("m/s",),
     **dict.fromkeys(("ax", "ay", "az"), ("m/s^2",)),

@@ -4,6 +4,8 @@ Three tests. A column may not change faster than anything on wheels does (`LIMIT
 second so that noise does not count. Columns that say the same thing must not differ by the factors
 that unit mistakes make: heading against gyroscope, both against the wheels, the way against the
 wheels. And wheels do not jump: a counter that was reset does.
+
+psi is a heading that counts turns; yaw is what an IMU or a compass shows and may be wrapped.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ __all__ = ["LIMITS", "check", "unwrapped"]
 LIMITS: Mapping[str, float] = {
     "t": 2.0,
     **dict.fromkeys(("left", "right", "left_rate", "right_rate"), 60.0),
-    **dict.fromkeys(("psi", "roll", "pitch", "gyro", "omega"), 10.0),
+    **dict.fromkeys(("psi", "yaw", "roll", "pitch", "gyro", "omega"), 10.0),
     **dict.fromkeys(("x", "y", "z", "v"), 30.0),
     **dict.fromkeys(("ax", "ay", "az"), 160.0),
 }
@@ -34,7 +36,7 @@ _INSTEAD = {
     "m/s": "millimetres per second",
     "m/s^2": "thousandths of g",
 }
-_CHANGES = ("left", "right", "psi", "roll", "pitch", "x", "y", "z")
+_CHANGES = ("left", "right", "psi", "yaw", "roll", "pitch", "x", "y", "z")
 _TURN_PER_ROLL = (0.01, 5.0)
 _WAY_PER_ROLL = (0.012, 3.0)
 _DEGREES = (25.0, 130.0)
@@ -147,6 +149,7 @@ def _check_rate(
     if limit is None:
         return
     if name in _CHANGES:
+        values = unwrapped(values) if name == "yaw" else values
         later = _a_second_later(time)
         start = np.arange(len(later))
         rates = np.abs(values[later] - values[start]) / (time[later] - time[start])
@@ -184,20 +187,16 @@ def _check_agreement(
     limits: Mapping[str, float | None],
     file: str,
 ) -> None:
-    time, later = columns["t"], _a_second_later(columns["t"])
+    later = _a_second_later(columns["t"])
     start = np.arange(len(later))
 
     def change(values: NDArray) -> NDArray:
         return values[later] - values[start]
 
-    turns = {}
-    if "psi" in columns and limits["psi"] is not None:
-        turns["psi"] = change(columns["psi"])
-    if "gyro" in columns and limits["gyro"] is not None:
-        rate, steps = columns["gyro"], np.diff(time)
-        turns["gyro"] = change(np.r_[0.0, np.cumsum((rate[1:] + rate[:-1]) / 2 * steps)])
-    if len(turns) == 2 and np.ptp(columns["psi"]) > 0.5:
-        _compare_turns(turns["psi"], turns["gyro"], file)
+    turns = {name: change(values) for name, values in _headings(columns, limits).items()}
+    for heading in ("psi", "yaw"):
+        if heading in turns and "gyro" in turns and np.ptp(turns[heading]) > 0.01:
+            _compare_turns(heading, turns[heading], turns["gyro"], file)
     rolled = all(
         units.get(side) == "rad" and limits[side] is not None for side in ("left", "right")
     )
@@ -211,11 +210,23 @@ def _check_agreement(
         _compare_way(way, (left + right) / 2, file)
 
 
-def _compare_turns(psi: NDArray, gyro: NDArray, file: str) -> None:
-    for (name, one), (other, two) in (
-        (("psi", psi), ("gyro", gyro)),
-        (("gyro", gyro), ("psi", psi)),
-    ):
+def _headings(
+    columns: Mapping[str, NDArray], limits: Mapping[str, float | None]
+) -> dict[str, NDArray]:
+    """All that the log says of the heading, unwrapped, up to an offset."""
+    said = {name: columns[name] for name in ("psi", "yaw", "gyro") if name in columns}
+    said = {name: values for name, values in said.items() if limits[name] is not None}
+    if "yaw" in said:
+        said["yaw"] = unwrapped(said["yaw"])
+    if "gyro" in said:
+        rate, steps = said["gyro"], np.diff(columns["t"])
+        said["gyro"] = np.r_[0.0, np.cumsum((rate[1:] + rate[:-1]) / 2 * steps)]
+    return said
+
+
+def _compare_turns(heading: str, turned: NDArray, gyro: NDArray, file: str) -> None:
+    pairs = ((heading, turned, "gyro", gyro), ("gyro", gyro, heading, turned))
+    for name, one, other, two in pairs:
         ratio = abs(float(one @ two / (two @ two))) if two.any() else 0.0
         if _DEGREES[0] < ratio < _DEGREES[1]:
             raise ValueError(

@@ -20,6 +20,8 @@ A velocity that varies and is known only at instants adds an error of its own: s
 
 from __future__ import annotations
 
+from math import cos, sin
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -37,6 +39,15 @@ __all__ = [
 
 METHODS = ("euler", "midpoint", "bilinear", "rk4", "exact")
 RULES = ("left", "right", "trapezoid")
+
+_HEADINGS = {
+    "euler": ((0.0, 1.0),),
+    "midpoint": ((0.5, 1.0),),
+    "bilinear": ((0.0, 1 / 2), (1.0, 1 / 2)),
+    "rk4": ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6)),
+    "exact": ((0.5, 1.0),),
+}
+"""Where in the turn of a step each method looks, and the weight of what it sees."""
 
 
 def integrate(
@@ -124,8 +135,7 @@ def from_samples(
     _, forward = intervals(t, v, rule)
     if rule == "trapezoid" and chosen(method, METHODS, "method") == "bilinear":
         poses = integrate(pose0, forward, turning, dt, "euler")
-        cos, sin = _cos_sin(poses[..., 2])
-        for axis, direction in enumerate((cos, sin)):
+        for axis, direction in enumerate(_cos_sin(poses[..., 2])):
             rate = finite(v, "v") * direction
             np.cumsum((rate[..., 1:] + rate[..., :-1]) / 2 * dt, -1, out=poses[..., 1:, axis])
             poses[..., 1:, axis] += poses[..., :1, axis]
@@ -171,8 +181,14 @@ def advance(pose: ArrayLike, distance: float, turn: float, method: str = "exact"
     Raises:
         ValueError: pose is not 3 finite numbers, an increment not one, an unknown method.
     """
-    pose = ending_in(pose, 3, "pose", "x, y, psi")
-    return integrate(pose, [float(distance)], [float(turn)], 1.0, method)[1]
+    x, y, psi = ending_in(pose, 3, "pose", "x, y, psi").tolist()
+    d, turn = float(finite(distance, "distance")), float(finite(turn, "turn"))
+    headings = _HEADINGS[chosen(method, METHODS, "method")]
+    if method == "exact" and turn:
+        d *= sin(turn / 2) / (turn / 2)
+    dx = d * sum(weight * cos(psi + share * turn) for share, weight in headings)
+    dy = d * sum(weight * sin(psi + share * turn) for share, weight in headings)
+    return np.array([x + dx, y + dy, psi + turn])
 
 
 def _accumulate(
@@ -189,31 +205,24 @@ def _accumulate(
     poses[..., 0, :] = pose0
     psi = poses[..., 0, 2, None] + np.cumsum(turn, axis=-1)
     poses[..., 1:, 2] = psi
-    cos, sin = _direction(poses[..., :-1, 2], psi, turn, method)
-    ways = along * cos, along * sin
+    direction = _direction(poses[..., :-1, 2], turn, method)
+    ways = along * direction[0], along * direction[1]
     if across is not None:
-        ways = ways[0] - across * sin, ways[1] + across * cos
+        ways = ways[0] - across * direction[1], ways[1] + across * direction[0]
     for axis, way in enumerate(ways):
         np.cumsum(way, axis=-1, out=way)
         np.add(way, poses[..., :1, axis], out=poses[..., 1:, axis])
     return poses
 
 
-def _direction(start: NDArray, end: NDArray, turn: NDArray, method: str) -> tuple:
+def _direction(start: NDArray, turn: NDArray, method: str) -> tuple[NDArray, NDArray]:
     """Mean of cos psi and sin psi over a step, each shape (..., N), as the method takes it."""
-    if chosen(method, METHODS, "method") == "euler":
-        return _cos_sin(start)
-    if method == "bilinear":
-        return tuple((a + b) / 2 for a, b in zip(_cos_sin(start), _cos_sin(end), strict=True))
-    half = turn / 2
-    middle = _cos_sin(start + half)
-    if method == "midpoint":
-        return middle
-    if method == "rk4":
-        ends = zip(_cos_sin(start), middle, _cos_sin(end), strict=True)
-        return tuple((a + 4 * m + b) / 6 for a, m, b in ends)
-    chord = np.sinc(half / np.pi)
-    return tuple(chord * part for part in middle)
+    chord = np.sinc(turn / (2 * np.pi)) if chosen(method, METHODS, "method") == "exact" else 1.0
+    mean_cos, mean_sin = 0.0, 0.0
+    for share, weight in _HEADINGS[method]:
+        part_cos, part_sin = _cos_sin(start + share * turn if share else start)
+        mean_cos, mean_sin = mean_cos + weight * part_cos, mean_sin + weight * part_sin
+    return chord * mean_cos, chord * mean_sin
 
 
 def _cos_sin(angle: NDArray) -> tuple[NDArray, NDArray]:

@@ -145,8 +145,8 @@ class ParticleFilter(Filter):
             H: as for `UnscentedKalmanFilter`.
 
         Raises:
-            ValueError: as for `ExtendedKalmanFilter`, or if z is so far off that no particle has a
-                finite weight.
+            ValueError: as for `ExtendedKalmanFilter`. A measurement far from all particles is no
+                error: it leaves few of them, which `effective_size` shows.
         """
         self._check_time(time)
         sensor = self._sensor(h, H, R, angles)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from backhoe import odometry, skid_steer
+from backhoe import kinematics, odometry, skid_steer
 from backhoe.machine import BACKHOE, replace
 
 ROBOTS = {
@@ -105,12 +105,13 @@ def test_four_wheels_that_fight_show_it():
     assert np.linalg.matrix_rank(np.eye(4) - robot.rolling @ robot.body) == 1
 
 
-def test_tracks_are_the_kinematics_of_the_skid_steer_lesson():
+def test_tracks_are_the_kinematics_of_the_lessons_before():
     left, right = np.random.default_rng(3).normal(size=(2, 9))
     expected = skid_steer.body_twist(left, right, skid_steer.BACKHOE_TRACKS)
     np.testing.assert_allclose(
         np.stack(odometry.track_twist(left, right), -1), expected, rtol=1e-12
     )
+    np.testing.assert_allclose(kinematics.tracks_twist(right, left), expected, rtol=1e-12)
     velocity = odometry.tracks().velocity(np.stack([left, right], axis=-1))
     np.testing.assert_allclose(velocity[:, [0, 2]], expected, rtol=1e-12)
 

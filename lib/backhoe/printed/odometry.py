@@ -1,5 +1,5 @@
-"""Odometry exactly as printed: the PUCP guide's (1) and Algorithms 1 to 4, Mastalli's (2.10),
-(4.1) to (4.3) and Algorithm 1.
+"""Odometry exactly as printed: the PUCP guide's (1) and Algorithms 1 to 4, Mastalli's (4.1)
+to (4.3) and Algorithm 1. His (2.10) is `backhoe.printed.kinematics.track_matrix`.
 
 Not for use: lesson 06 tests them, `backhoe.odometry` has the right ones. What the print leaves open
 is read so:
@@ -8,9 +8,9 @@ is read so:
   holds what the loop before left in it, x_{k-1}, and zeros the first time;
 - Mastalli's theta_{k-1} is psi_{k-1}, and the omega_k of (4.2) and of his Algorithm 1, which he
   does not define, is omega_{k-1} unless given;
-- his wheels come in the order right, left, as he prints them.
+- his sprockets come in the order right, left, as he prints them.
 
-Reference: PUCP guide 2024; Mastalli 2013, sections 2.2 and 4.1.
+Reference: PUCP guide 2024; Mastalli 2013, section 4.1.
 """
 
 from __future__ import annotations
@@ -26,7 +26,6 @@ __all__ = [
     "algorithm_2",
     "algorithm_3",
     "algorithm_4",
-    "jacobian_210",
     "mastalli_algorithm_1",
     "position_1",
     "roll_out",
@@ -119,23 +118,6 @@ def algorithm_4(f: Rate, t: ArrayLike, omega: ArrayLike, size: int = 3) -> NDArr
         old, t_old = rate, time
         estimates.append(x)
     return np.array(estimates)
-
-
-def jacobian_210(theta: float, r: float, gauge: float) -> NDArray:
-    """Matrix of Mastalli (2.10), from Omega_r, Omega_l to the rates of x, y, psi.
-
-    Args:
-        theta: heading [rad].
-        r: radius of the sprockets [m].
-        gauge: l, the distance between the tracks [m].
-
-    Returns:
-        Shape (3, 2).
-    """
-    row = np.array([1.0, -1.0])
-    return np.stack(
-        [np.cos(theta) / (2 * r) * row, np.sin(theta) / (2 * r) * row, row / (r * gauge)]
-    )
 
 
 def step_41(pose: ArrayLike, v: float, omega: float, T: float) -> NDArray:

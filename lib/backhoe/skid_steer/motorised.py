@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.motor import WHEEL_PERIOD, Motor, WheelGains, tune_wheel, vehicle_load, wheel_pid
-from backhoe.skid_steer import kernels
 from backhoe.skid_steer.kinematics import half_track_of
 from backhoe.skid_steer.simulation import DRIVEN
 from backhoe.skid_steer.vehicle import Vehicle
@@ -38,6 +37,8 @@ class Drives:
         driven: str,
         dt: float,
     ) -> None:
+        from backhoe.skid_steer import kernels
+
         if driven not in DRIVEN:
             raise ValueError(f"driven must be one of {', '.join(DRIVEN)}, got {driven!r}")
         self.periods = round(dt / WHEEL_PERIOD)
@@ -54,6 +55,7 @@ class Drives:
         self.torque_per_volt = motor.torque_per_volt * self.driven
         losses, inertia = motor.damping * self.driven, motor.rotor_inertia * self.driven
         self.record = kernels.record(vehicles, losses, inertia)
+        self._advance_all = kernels.advance_all
         self.step_length = np.full((len(vehicles), 1), WHEEL_PERIOD)
         self.voltage = np.zeros(self.shape)
 
@@ -63,9 +65,7 @@ class Drives:
             output = self.pid(reference.ravel(), states[:, 6:].ravel())
             self.voltage = output.reshape(self.shape) * self.driven
             drive = self.torque_per_volt * self.voltage
-            kernels.advance_all(
-                states, drive, self.record, WHEEL_PERIOD, self.step_length, tolerance
-            )
+            self._advance_all(states, drive, self.record, WHEEL_PERIOD, self.step_length, tolerance)
 
 
 def drive_block(dt, every, tolerance, half_track, motor, gains, driven):

@@ -8,7 +8,7 @@ rounding depends on how many runs go together, or on where they run.
 - `sweeps`: the same in chunks, with a progress bar, on whatever `joblib` is told to use
 - `arguments`: what may go in
 - `batch`: what comes out
-- `kernels`: the compiled loop
+- `kernels`, `step_kernels`: the compiled loop, on the `rows` of a block of runs
 """
 
 from backhoe.closed_loop.arguments import LAWS

@@ -9,8 +9,10 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe import dynamics
 from backhoe.closed_loop.arguments import LAWS, RATES, Task, prepared
 from backhoe.closed_loop.batch import Batch, Trajectory
+from backhoe.closed_loop.rows import LANES
 from backhoe.dynamics.terms import Arm, arm_of
 from backhoe.machine import BACKHOE, Machine
 from backhoe.movement import Movement
@@ -26,6 +28,8 @@ LARGEST_ERROR = pi
 
 LARGEST_SPEED = 50.0
 """A run with a joint as fast as this has diverged [rad/s]."""
+
+_MOBILITY_EVERY = 50
 
 
 def simulate(
@@ -111,7 +115,7 @@ def carry_out(task: Task, threads: int | None = None) -> Batch:
     samples = len(movement)
     reference = np.stack([movement.q, movement.dq, movement.ddq])
     arm, model = (Arm(*map(float, arm_of(m))) for m in (task.machine, task.model))
-    numbers = _numbers(task)
+    numbers, rates = _numbers(task), _settling_rates(task)
     sampling = (
         movement.dt,
         task.state_every,
@@ -136,6 +140,7 @@ def carry_out(task: Task, threads: int | None = None) -> Batch:
             LAWS.index(task.law),
             own[block],
             reference,
+            rates,
             sampling,
             task.record_every,
             log_of[block],
@@ -144,7 +149,7 @@ def carry_out(task: Task, threads: int | None = None) -> Batch:
         )
 
     threads = cores() if threads is None else threads
-    blocks = _blocks(count, kernels.LANES, threads)
+    blocks = _blocks(count, LANES, threads)
     if threads == 1 or len(blocks) == 1:
         for block in blocks:
             run_block(block)
@@ -177,6 +182,17 @@ def _numbers(task: Task) -> NDArray:
             np.full(4, COULOMB_SMOOTHING),
         ]
     )
+
+
+def _settling_rates(task: Task) -> NDArray:
+    """Rate at which smoothed Coulomb friction settles a slow speed, shape (n, 4) [1/s].
+
+    It is the friction over the smoothing speed, times the joint's mobility at the reference.
+    """
+    M = dynamics.mass_matrix(task.movement.q[::_MOBILITY_EVERY], task.machine)
+    mobility = np.diagonal(np.linalg.inv(M), axis1=-2, axis2=-1)
+    slope = task.friction * task.machine.coulomb / COULOMB_SMOOTHING
+    return np.repeat(slope * mobility, _MOBILITY_EVERY, axis=0)[: len(task.movement)]
 
 
 def _batch(task: Task, measures: NDArray, taken: NDArray, logs: dict[int, NDArray]) -> Batch:

@@ -181,7 +181,7 @@ def _save(path: Path, kind: str, title: str, drive: Recording, slips: bool) -> N
         )
     with open(path, "w", encoding="utf-8", newline="\n") as file:
         file.write("\n".join([*comments, header]) + "\n")
-        np.savetxt(file, np.round(table, 4) + 0.0, fmt=form)
+        np.savetxt(file, np.round(table, 4 if kind == "truth" else 3) + 0.0, fmt=form)
 
 
 def _slip(drive: Recording, slips: bool) -> str:

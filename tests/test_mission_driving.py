@@ -212,7 +212,7 @@ class Diverging:
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"odometry": print}, TypeError, "unknown part 'odometry': the parts are velocity_contro"),
+        ({"planner": print}, TypeError, "unknown part 'planner': the parts are velocity_contro"),
         ({"tracker": 3}, TypeError, "tracker must be a function: tracker"),
         ({"tracker": Diverging}, TypeError, "tracker is the class Diverging: make one"),
         ({"velocity_controller": VelocityPI}, TypeError, "velocity_controller is the class Veloc"),

@@ -10,14 +10,17 @@ from backhoe.drives import NOISE, SLIPPING, Noise
 from backhoe.kalman import ExtendedKalmanFilter
 from backhoe.localisation.checks import not_negative
 from backhoe.localisation.fixes import STATION_STD
-from backhoe.localisation.honest import LISTENING, START_STD, TURNING_PRIOR, initial
+from backhoe.localisation.honest import LISTENING, START_STD, initial
 from backhoe.localisation.model import ANGLES, Model
 from backhoe.machine import BACKHOE, Machine
 from backhoe.reals import real_array
 
-__all__ = ["TURNING_WALK", "Localiser", "Odometer"]
+__all__ = ["CALIBRATED", "TURNING_WALK", "Localiser", "Odometer"]
 
-TURNING_WALK = 0.02
+CALIBRATED = (SLIPPING, 0.02)
+"""Share of the ideal turn rate of the simulated tracks, and how well a calibration knows it [1]."""
+
+TURNING_WALK = 0.005
 """How fast the slip of the real tracks may change [1 per sqrt(s)]: ours."""
 
 
@@ -75,7 +78,7 @@ class Localiser:
         machine: Machine = BACKHOE,
         noise: Noise = NOISE,
         *,
-        turning: tuple[float, float] = TURNING_PRIOR,
+        turning: tuple[float, float] = CALIBRATED,
         turning_walk: float = TURNING_WALK,
         fix_std: float = STATION_STD,
         listening: float = LISTENING,

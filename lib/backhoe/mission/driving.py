@@ -1,13 +1,14 @@
 """Driving the machine along a path with the library's parts, or with a student's.
 
 The tracker looks at where the machine is and says how fast to drive; the velocity controller makes
-forces of that. Both are told the truth as yet: `_Watched` is where localisation will come in.
+forces of that. Where the machine is they are told truly, unless an odometry or a localisation is
+given: then the machine drives on what that makes of its sensors (`believing`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,9 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import BACKHOE, Machine
 from backhoe.mission.asking import asked, checked_part, numbers
+from backhoe.mission.believing import LIBRARY, Believing, checked_estimators
 from backhoe.mission.parts import DRIVE_PARTS
 from backhoe.mission.route import SPEED, default_route
-from backhoe.tracking import Assessment, Metrics, Path, PurePursuit, assess, follow
+from backhoe.tracking import ARRIVAL, Assessment, Follow, Metrics, Path, PurePursuit, assess, follow
+from backhoe.tracking.path import positive
 from backhoe.travel import TrackedPlant
 
 if TYPE_CHECKING:
@@ -40,7 +43,9 @@ class DriveRun:
     (n, 2), the forces of the left and right track until that time [N], None for a plant without
     tracks; `metrics` and `assessment` as in `tracking`; `reached` whether it arrived; `swapped`
     names the student's parts; `path`, `mode`, `machine`, `backend`, `dt` and `pose[0]` say what was
-    driven.
+    driven. All of that is the truth. What the machine believed is `estimate` (n, 3), and by its
+    estimators' names `beliefs`; None and empty if it was told the truth. `fixes` [s] and `seed` are
+    those of its sensors.
     """
 
     swapped: tuple[str, ...]
@@ -60,6 +65,10 @@ class DriveRun:
     backend: str
     own_plant: bool
     recorder: Recorder | None = field(default=None, repr=False)
+    estimate: NDArray | None = None
+    beliefs: dict[str, NDArray] = field(default_factory=dict)
+    fixes: float | None = None
+    seed: int = 0
 
     def replay(
         self,
@@ -93,6 +102,10 @@ def drive(
     path: Path | None = None,
     tracker: Callable | None = None,
     velocity_controller: Callable | None = None,
+    odometry: Callable | str | None = None,
+    localisation: Callable | str | None = None,
+    fixes: float | None = None,
+    seed: int = 0,
     mode: str | None = None,
     plant: object | None = None,
     machine: Machine = BACKHOE,
@@ -108,6 +121,11 @@ def drive(
         path: where to drive; default `default_route`, a G of about a minute.
         tracker, velocity_controller: your parts; `DRIVE_PARTS` gives the call of each. What is left
             out is the library's: pure pursuit and `travel.VelocityPI`.
+        odometry, localisation: what tells the tracker where the machine is, your part or "library"
+            for the library's; default the truth. Of both, the localisation counts, and the odometry
+            runs beside it.
+        fixes: time between two positions by a total station, for the localisation [s].
+        seed: of the noise of encoders, gyro and fixes; their variances are `drives.NOISE`.
         mode: "path" or "trajectory" as in `tracking.follow`; default trajectory if the path has
             times.
         plant: what is driven, such as a rover or `skid_steer.Plant`; default the machine on its
@@ -133,11 +151,14 @@ def drive(
     given = {name: part for name, part in offered.items() if part is not None}
     for name, part in given.items():
         checked_part(name, part)
+    believers = checked_estimators({"odometry": odometry, "localisation": localisation})
+    _check_fixes(fixes, localisation)
     path = default_route() if path is None else path
     if not isinstance(path, Path):
         raise TypeError(f"path must be a tracking.Path, got {path!r}: make one, from_points(...)")
     mode = ("path" if path.times is None else "trajectory") if mode is None else mode
-    settings = path, mode, given, time_limit, record
+    senses = believers, fixes, seed
+    settings = path, mode, given, senses, time_limit, record
     if plant is not None:
         others = machine is not BACKHOE or backend != "auto" or pose is not None
         if velocity_controller is not None or others:
@@ -156,17 +177,25 @@ def _drive(
     path: Path,
     mode: str,
     given: dict[str, Callable],
+    senses: tuple[dict[str, object], float | None, int],
     time_limit: float | None,
     record: bool,
     own_plant: bool,
 ) -> DriveRun:
-    watched = _Watched(plant, _recorder(plant) if record else None)
+    believers, fixes, seed = senses
+    recorder = _recorder(plant) if record else None
+    believing = Believing(plant, believers, fixes, seed) if believers else None
+    watched = _Watched(plant if believing is None else believing, recorder)
     own = given.get("tracker")
     tracker = PurePursuit(lookahead=LOOKAHEAD) if own is None else _CheckedTracker(own)
     run = follow(tracker, watched, path, mode=mode, time_limit=time_limit, speed=SPEED)
+    believed = None if believing is None else run.pose
+    if believing is not None:
+        run = _as_it_was(run, np.array(believing.truth))
     assessment = assess(run)
+    swapped = (*given, *(name for name, part in believers.items() if part != LIBRARY))
     return DriveRun(
-        swapped=tuple(given),
+        swapped=swapped,
         path=path,
         mode=mode,
         time=run.time,
@@ -183,7 +212,30 @@ def _drive(
         backend=getattr(plant, "backend", "own"),
         own_plant=own_plant,
         recorder=watched.recorder,
+        estimate=believed,
+        beliefs={} if believing is None else _arrays(believing.beliefs),
+        fixes=fixes,
+        seed=seed,
     )
+
+
+def _as_it_was(run: Follow, truth: NDArray) -> Follow:
+    """The run with the true poses; who believes to have arrived must be there."""
+    close = float(np.hypot(*(truth[-1, :2] - run.path.points[-1]))) <= ARRIVAL
+    arrived = close and (run.reached or run.mode == "trajectory")
+    return replace(run, pose=truth, reached=arrived)
+
+
+def _arrays(beliefs: dict[str, list[NDArray]]) -> dict[str, NDArray]:
+    return {name: np.array(poses) for name, poses in beliefs.items()}
+
+
+def _check_fixes(fixes: float | None, localisation: object) -> None:
+    if fixes is None:
+        return
+    if localisation is None:
+        raise ValueError("fixes are for a localisation: odometry would not look at them")
+    positive(fixes, "fixes", "s")
 
 
 class _Watched:

@@ -75,8 +75,19 @@ DRIVE_PARTS = {
         "speeds [m/s, rad/s] from x, y, heading [m, rad], measured speeds and a tracking.Goal",
         "05",
     ),
+    "odometry": Part(
+        "odometry(pose, left, right, dt) -> pose",
+        "x, y, heading [m, rad] after dt [s] from the measured rates of the sprockets [rad/s]",
+        "06",
+    ),
+    "localisation": Part(
+        "localisation(left, right, yaw_rate, fix, dt) -> pose",
+        "x, y, heading [m, rad] from encoders and gyro [rad/s] and a fix x, y [m] or None; "
+        "its reset(pose) is called at the start",
+        "07",
+    ),
 }
-"""What `drive` takes. Localisation will stand between the machine and these two."""
+"""What `drive` takes. With one of the last two the machine drives on its own estimate."""
 
 
 STROKE = (

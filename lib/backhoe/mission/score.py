@@ -10,6 +10,7 @@ import numpy as np
 
 from backhoe import sim
 from backhoe.machine import Machine
+from backhoe.mission.believing import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.loading import Run, run
 from backhoe.tracking import Path
@@ -45,12 +46,13 @@ class Score:
 
 @dataclass(frozen=True)
 class DriveScore:
-    """A drive in seven numbers, beside the reference drive.
+    """A drive in nine numbers, beside the reference drive.
 
     `distance` the mean and `farthest` the largest distance from the path [m], `way` the length
     driven over that of the path, `late` by which delay the drive is explained best [s] (NaN without
     times), `time` [s], `push` the root mean square of the tracks' forces [N] (NaN without tracks),
-    `reached` whether it arrived.
+    `reached` whether it arrived. `astray` [m] and `askew` [rad] are the root mean square errors of
+    the position and the heading that it believed to have (NaN if it was told the truth).
     """
 
     distance: float
@@ -62,6 +64,8 @@ class DriveScore:
     reached: bool
     swapped: tuple[str, ...] = ()
     reference: DriveScore | None = None
+    astray: float = np.nan
+    askew: float = np.nan
 
     def __str__(self) -> str:
         rows = [
@@ -73,12 +77,26 @@ class DriveScore:
             ("force of a track [kN]", "{:.0f}", lambda score: score.push / 1e3),
             ("arrived", "{}", lambda score: "yes" if score.reached else "no"),
         ]
+        if not np.isnan(self.astray):
+            rows += [
+                (
+                    "believed place off [cm]",
+                    "{:.1f}",
+                    lambda score: 100 * np.nan_to_num(score.astray),
+                ),
+                (
+                    "believed heading [deg]",
+                    "{:.1f}",
+                    lambda score: np.degrees(np.nan_to_num(score.askew)),
+                ),
+            ]
         return _table(self, rows)
 
 
 def _table(score: Score | DriveScore, rows: list[tuple[str, str, Callable]]) -> str:
     columns = [score] if score.reference is None else [score, score.reference]
-    heads = ["yours" if score.swapped else "library", "library"][: len(columns)]
+    beside = "library" if score.swapped else "on truth"
+    heads = ["yours" if score.swapped else "library", beside][: len(columns)]
     parts = ", ".join(score.swapped) or "none"
     lines = [f"swapped in: {parts}", " " * 24 + "".join(f"{head:>10}" for head in heads)]
     lines += [
@@ -118,24 +136,56 @@ def _measure_drive(run: DriveRun) -> DriveScore:
         push=float(push),
         reached=run.reached,
         swapped=run.swapped,
+        **_belief(run),
     )
+
+
+def _belief(run: DriveRun) -> dict[str, float]:
+    """How wrong the machine was about its place [m] and heading [rad]."""
+    if run.estimate is None:
+        return {}
+    error = run.estimate - run.pose
+    turn = np.arctan2(np.sin(error[:, 2]), np.cos(error[:, 2]))
+    return {
+        "astray": float(np.sqrt(np.mean(error[:, 0] ** 2 + error[:, 1] ** 2))),
+        "askew": float(np.sqrt(np.mean(turn**2))),
+    }
 
 
 @lru_cache(maxsize=8)
 def _reference_drive(
-    points: bytes, times: bytes | None, mode: str, pose: bytes, machine: Machine, backend: str
+    points: bytes,
+    times: bytes | None,
+    mode: str,
+    pose: bytes,
+    machine: Machine,
+    backend: str,
+    senses: tuple[tuple[str, ...], float | None, int],
 ) -> DriveScore:
     path = Path(
         np.frombuffer(points).reshape(-1, 2), None if times is None else np.frombuffer(times)
     )
-    start = np.frombuffer(pose)
-    return _measure_drive(drive(path=path, mode=mode, machine=machine, backend=backend, pose=start))
+    start, (believers, fixes, seed) = np.frombuffer(pose), senses
+    parts = dict.fromkeys(believers, LIBRARY)
+    return _measure_drive(
+        drive(
+            path=path,
+            mode=mode,
+            machine=machine,
+            backend=backend,
+            pose=start,
+            fixes=fixes if "localisation" in parts else None,
+            seed=seed,
+            **parts,
+        )
+    )
 
 
 def _score_drive(run: DriveRun) -> DriveScore:
     measured = _measure_drive(run)
-    if not run.swapped or run.own_plant:
+    if run.own_plant or not (run.swapped or run.beliefs):
         return measured
+    believers = tuple(run.beliefs) if run.swapped else ()
     path, times = run.path, run.path.times
     reference = _reference_drive(
         path.points.tobytes(),
@@ -144,6 +194,7 @@ def _score_drive(run: DriveRun) -> DriveScore:
         run.pose[0].tobytes(),
         run.machine,
         run.backend,
+        (believers, run.fixes, run.seed),
     )
     return replace(measured, reference=reference)
 
@@ -152,7 +203,9 @@ def score(run: Run | DriveRun) -> Score | DriveScore:
     """Measure a run beside the same run with the library's parts only.
 
     The reference runs in a new world of the same scene, by the same backend if it is the library's.
-    A drive with a plant of your own has no reference: drive the plant again without your tracker.
+    A drive on your own estimate stands beside one on the library's, and one on the library's beside
+    a drive that is told the truth. A drive with a plant of your own has no reference: drive the
+    plant again without your tracker.
 
     Args:
         run: what `mission.run` or `mission.drive` returned.

@@ -194,17 +194,21 @@ def end_places(panels: Mapping[str, Mapping[str, ArrayLike]]) -> Figure:
 
 
 @styled
-def wheeled(robots: Mapping[str, Sequence[tuple[float, float, float, float]]]) -> Figure:
+def wheeled(
+    robots: Mapping[str, Sequence[tuple[float, float, float, float]]] | None = None,
+) -> Figure:
     """Robots from above: where their wheels sit, which way they drive, which way they let it slide.
 
     Args:
         robots: title -> for each wheel x, y [m], the direction in which it drives the robot when it
             turns forwards, and the direction in which its rollers let it slide [rad]; NaN for a
-            wheel without rollers.
+            wheel without rollers. Default two sides, three omnidirectional and four mecanum
+            wheels.
 
     Raises:
         ValueError: no robot, or a wheel that is not four numbers.
     """
+    robots = _robots() if robots is None else robots
     if not robots:
         raise ValueError("wheeled needs at least one robot: title -> wheels (x, y, drive, free)")
     fig, axes = figure(6.8, 3.0, columns=len(robots), squeeze=False, sharey=True)
@@ -240,6 +244,18 @@ def _vehicle(ax: Axes, pose: NDArray, size: float) -> None:
     corners = size * np.array([(-1.0, -0.7), (-1.0, 0.7), (0.2, 0.7), (0.9, 0.0), (0.2, -0.7)])
     outline = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
     ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=DARK, zorder=4))
+
+
+def _robots() -> dict[str, list[tuple[float, float, float, float]]]:
+    ring = np.radians([0, 120, 240])
+    corners = ((0.3, 0.25, 45), (0.3, -0.25, 135), (-0.3, 0.25, 135), (-0.3, -0.25, 45))
+    return {
+        "two sides": [(0.0, y, 0.0, np.nan) for y in (0.3, -0.3)],
+        "three, omnidirectional": [
+            (0.3 * np.cos(a), 0.3 * np.sin(a), a + np.pi / 2, a) for a in ring
+        ],
+        "four, mecanum": [(x, y, 0.0, np.radians(free)) for x, y, free in corners],
+    }
 
 
 def _robot(ax: Axes, wheels: NDArray) -> float:

@@ -22,6 +22,8 @@ LESSONS = {
     "3": "lyapunov_pid",
     "4": "skid_steer",
     "5": "path_tracking",
+    "6": "odometry",
+    "7": "kalman",
 }
 
 

@@ -13,6 +13,7 @@ from backhoe.plots.dynamics import (
     weights,
 )
 from backhoe.plots.interactive import sliders
+from backhoe.plots.kalman import beliefs, clouds, consistency, drives_with_ellipses, tunnels
 from backhoe.plots.lyapunov import (
     arm_constants,
     certificates,
@@ -22,6 +23,7 @@ from backhoe.plots.lyapunov import (
     joint_movement,
     margins,
 )
+from backhoe.plots.odometry import areas, end_places, error_orders, one_step, wheeled
 from backhoe.plots.reach import reachable, singularities, velocity_ellipses, workspace
 from backhoe.plots.run import joint_tracking, soil
 from backhoe.plots.skid_steer import contacts, friction_laws, paths, stacked
@@ -34,14 +36,21 @@ __all__ = [
     "COLOURS",
     "KINDS",
     "STAGES",
+    "areas",
     "arm",
     "arm_constants",
+    "beliefs",
     "candidates",
     "certificates",
+    "clouds",
+    "consistency",
     "contacts",
     "data_way",
     "draw_lines",
+    "drives_with_ellipses",
     "elbows",
+    "end_places",
+    "error_orders",
     "falls",
     "figure",
     "frames",
@@ -58,6 +67,7 @@ __all__ = [
     "lines",
     "margins",
     "nearest",
+    "one_step",
     "paths",
     "png",
     "pose_errors",
@@ -71,8 +81,10 @@ __all__ = [
     "soil",
     "stacked",
     "styled",
+    "tunnels",
     "turn",
     "velocity_ellipses",
     "weights",
+    "wheeled",
     "workspace",
 ]

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from backhoe import exercises, machine
-from backhoe.check import Check, Exercise, Mistake, guard
+from backhoe.check import Check, Exercise, Mistake, guard, patterns
 from backhoe.check.answers import ask, prepare
 from backhoe.check.diagnosis import diagnose
 
@@ -227,6 +227,10 @@ class TestPatterns:
         diagnosis = next(text for text, case in PATTERNS.items() if case[1] is answer)
         line = said(number, answer)
         assert line.removeprefix("not yet: ").startswith(diagnosis)
+
+    def test_large_numbers_are_not_taken_for_angles(self):
+        wanted = np.linspace(1e5, 2e5, 20)
+        assert patterns.overall(wanted**1.01, wanted, partial(np.isclose, rtol=1e-3)) is None
 
     def test_says_how_many_inputs_are_right(self, said):
         line = said("9.2", lambda v: stretch(v) * (1 if v[0] > 0 else 3))

@@ -92,8 +92,10 @@ def _scaled(one: NDArray, other: NDArray, near: Callable) -> str | None:
 
 def _shifted(one: NDArray, other: NDArray, near: Callable) -> str | None:
     turns = (one - other) / (2 * pi)
-    if one.size > 1 and near(turns, np.round(turns)).all() and np.ptp(turns) > 0.5:
-        return "angles are off by whole turns: wrap them"
+    could_be_angles = not near(other + pi, other).any()
+    if one.size > 1 and could_be_angles and near(turns, np.round(turns)).all():
+        if np.ptp(turns) > 0.5:
+            return "angles are off by whole turns: wrap them"
     offset = float(np.mean(one - other).real)
     if not near(one - offset, other).all():
         return None

@@ -104,11 +104,11 @@ def _cases(rng: np.random.Generator) -> list[tuple]:
     return [
         (
             rng.uniform(5e5, 2e6, 4),
-            rng.uniform(2e5, 1e6, 4),
+            rng.uniform(2e5, 1e6, 4) / weaker,
             rng.uniform(2e4, 1e5, 4),
             *(float(value) for value in rng.uniform((1e5, 4e4, 150, 1e5), (2e5, 7e4, 250, 1.4e5))),
         )
-        for _ in range(30)
+        for weaker in np.repeat([1.0, 60.0], [20, 10])
     ]
 
 
@@ -212,6 +212,11 @@ CERTIFICATE = Exercise(
                 )
             ),
             "the bound is widest at the lowest alpha: put that one in",
+        ),
+        Mistake(
+            "clipped",
+            lambda *inputs: (*certificate(*inputs)[:2], max(0.0, certificate(*inputs)[2])),
+            "a negative third number says how much is missing: leave it as it is",
         ),
         Mistake(
             "degrees",

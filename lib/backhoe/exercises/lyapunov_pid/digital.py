@@ -82,6 +82,9 @@ def _variant(
     return step
 
 
+_cutting = partial(_variant, rule="cut")
+
+
 def _other_sign(kp: NDArray, ki: NDArray, kd: NDArray, dt: float, limit: NDArray) -> Step:
     return digital_pid(kp, ki, -kd, dt, limit)
 
@@ -158,15 +161,15 @@ def same_outputs(answer: Step, reference: Step, *gains: object) -> bool | str:
     given = _outputs(answer, run)
     if isinstance(given, str):
         return given
-    for right in (digital_pid, partial(_variant, rule="cut")):
-        if _near(given, _outputs(right(*gains), run)):
-            return True
+    kept, cut = (_outputs(right(*gains), run) for right in (digital_pid, _cutting))
+    if _near(given, kept) or _near(given, cut):
+        return True
     for mistake in MISTAKES:
         if _near(given, _outputs(mistake.wrong(*gains), run)):
             return mistake.diagnosis
     if _near(np.clip(given, -gains[4], gains[4]), given):
-        sample = int(np.argmax(~np.isclose(given, _outputs(reference, run)).all(axis=1)))
-        return f"right up to sample {sample}, counted from 0; there the terms differ"
+        sample = max(_first_difference(given, right) for right in (kept, cut))
+        return f"the outputs of sample {sample}, counted from 0, differ, and are right before it"
     return "the output must stay within -limit and limit, and something else differs"
 
 
@@ -189,6 +192,11 @@ def _outputs(step: Step, run: tuple[NDArray, NDArray, NDArray]) -> NDArray | str
     if any(np.shape(output) != wanted for output in given):
         return f"step must return one output for each loop, shape {wanted}, got {given[0]!r}"
     return np.array(given, dtype=float)
+
+
+def _first_difference(one: NDArray, other: NDArray) -> int:
+    """The first sample in which outputs (n, loops) differ; `_near` says that there is one."""
+    return int(np.argmax(~np.isclose(one, other, rtol=1e-7, atol=1e-6).all(axis=1)))
 
 
 def _near(one: NDArray, other: NDArray) -> bool:

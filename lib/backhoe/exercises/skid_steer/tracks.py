@@ -51,6 +51,12 @@ TRACTIONS = Exercise(
             "the lever is right, but both sides make the moment: each has half of it",
         ),
         Mistake(
+            "halved twice",
+            lambda force, moment, gauge: _mixed(force, moment / (2 * gauge)),
+            "half of the moment is missing: each side makes half of it, at a lever of half the "
+            "gauge",
+        ),
+        Mistake(
             "multiplied by the lever",
             lambda force, moment, gauge: _mixed(force, moment * gauge / 2),
             "a longer lever needs less force: divide the moment by it",

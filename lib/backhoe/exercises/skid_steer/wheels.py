@@ -35,6 +35,11 @@ WHEELS = Exercise(
             "it turns twice as fast as asked: c is half the distance between left and right",
         ),
         Mistake(
+            "half of the half track",
+            lambda v, omega: _wheels(v, omega, _TRACK / 4),
+            "it turns half as fast as asked: c is half the distance already, do not halve it again",
+        ),
+        Mistake(
             "sides swapped",
             lambda v, omega: wheel_speeds(v, omega)[::-1],
             "left and right are swapped: a left turn needs the faster wheels on the right",

@@ -363,6 +363,22 @@ def test_the_chosen_alpha_is_no_worse_than_others(attraction, tunings):
         assert attraction.level > 0.97 * other.level
 
 
+def test_the_ball_is_as_large_as_the_largest_eigenvalues_of_v_allow(attraction):
+    a, c = attraction, attraction.certificate.constants
+    K = a.alpha * a.gains.Kd + a.gains.Kp - a.gains.Ki / a.alpha
+    stiff, weak = np.linalg.eigvalsh(K)[-1] + c.kg, np.linalg.eigvalsh(a.gains.Ki)[-1] / a.alpha
+    for speed, w in (
+        (0.0, 0.0),
+        (0.6 * a.speed, 0.0),
+        (0.0, 0.6 * a.w),
+        (0.4 * a.speed, 0.5 * a.w),
+    ):
+        size = np.array([w, a.ball(speed, w), speed])
+        cross = a.alpha * c.lambda_max
+        V = size @ [[weak, 0, 0], [0, stiff, cross], [0, cross, c.lambda_max]] @ size / 2
+        assert V == pytest.approx(a.level, rel=1e-9)
+
+
 def test_what_has_no_region_is_refused(tunings, rng):
     tuning = tunings["matrix"]
     gains = tuning.kp, tuning.kd, tuning.ki
@@ -530,6 +546,11 @@ def test_what_cannot_be_tuned_is_refused(arguments, complaint):
 def test_what_cannot_be_judged_is_refused(arguments, complaint):
     with pytest.raises(ValueError, match=complaint):
         lyapunov.check_gains(*PRINTINGS["eq_333"], **arguments)
+
+
+def test_constants_that_are_none_are_refused():
+    with pytest.raises(TypeError, match=r"what lyapunov\.constants\(\.\.\.\) returns, got 24068"):
+        lyapunov.check_gains(*PRINTINGS["eq_333"], constants=24068.0)
 
 
 def test_postures_that_are_none_are_refused():

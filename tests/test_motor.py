@@ -436,6 +436,8 @@ ONES = np.ones(4)
             lambda: motor.control_wheel(ROVER, LOADED, motor.WheelGains(1, 1), duration=0),
             "duration must be a positive number",
         ),
+        (lambda: motor.wheel_pid(ROVER, (1.0, 2.0)), "gains must be kp, ki, kd"),
+        (lambda: motor.wheel_pid(ROVER, 3.0), "gains must be kp, ki, kd"),
         (lambda: Motor(1, 1, 1, 1, 1, 1, 1, 1, True), r"Motor\.power must be a finite number"),
     ],
 )

@@ -429,6 +429,14 @@ GAINS = motor.WheelGains(1.0, 1.0)
         (lambda: skid_steer.energy(np.zeros(9)), "state must end in 10"),
         (lambda: skid_steer.friction_power(np.full(10, np.nan)), "state must be finite"),
         (lambda: skid_steer.turning_half_track(UNEVEN), "needs front = rear"),
+        (
+            lambda: skid_steer.turning_half_track(replace(HUSKY, friction_longitudinal=0.0)),
+            "needs friction along the wheels",
+        ),
+        (
+            lambda: skid_steer.simulate(np.ones(3), np.ones(3), 0.02, 3),
+            r"vehicle must be one Vehicle, or one for each of the 1 runs, got 1 \(int\)",
+        ),
         (lambda: skid_steer.advance(np.zeros(10), np.zeros(4), 0.0), "dt must be a positive"),
         (lambda: skid_steer.advance(np.zeros((2, 10)), np.zeros(4), 0.1), "one state and one"),
         (

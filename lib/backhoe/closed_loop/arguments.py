@@ -73,6 +73,9 @@ def prepared(
     model = machine if model is None else model
     _one_of("law", law, LAWS)
     _one_of("rate", rate, RATES)
+    filter_time = _time("filter_time", filter_time)
+    if filter_time > 0 and rate == "measured":
+        raise ValueError('filter_time goes with rate="difference": measured speeds need no filter')
     gains = _gains(gains)
     count = len(gains)
     payload = _payload(payload, count)
@@ -94,7 +97,7 @@ def prepared(
         settled=settled,
         state_every=_count("state_every", state_every),
         rate=rate,
-        filter_time=_time("filter_time", filter_time),
+        filter_time=filter_time,
         record=_record(record, count),
         record_every=_count("record_every", record_every),
     )
@@ -116,7 +119,8 @@ def _gains(gains: Sequence[ArrayLike]) -> NDArray:
         )
     for name, part in zip(("kp", "ki", "kd"), parts, strict=True):
         if not (np.isfinite(part).all() and (part >= 0).all()):
-            raise ValueError(f"{name} must be finite and not negative, got {part.min():g} in it")
+            bad = part[~(np.isfinite(part) & (part >= 0))][0]
+            raise ValueError(f"{name} must be finite and not negative, got {bad:g} in it")
     return np.stack([part.reshape(-1, 4) for part in parts], axis=1)
 
 

@@ -104,6 +104,8 @@ def simulate(
     """
     options = locals()
     del options["threads"]
+    if not (threads is None or (isinstance(threads, int | np.integer) and threads >= 1)):
+        raise ValueError(f"threads must be a whole number, 1 or more, or None, got {threads!r}")
     return carry_out(prepared(**options), threads)
 
 

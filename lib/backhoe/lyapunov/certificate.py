@@ -162,10 +162,13 @@ def check_gains(
     Raises:
         ValueError: a gain of another shape, not finite, not symmetric or not positive definite; an
             unknown route; error or alpha not positive.
+        TypeError: constants are no Constants.
     """
     gains = Gains(gain_matrix(kp, "K_p"), gain_matrix(kd, "K_d"), gain_matrix(ki, "K_i"))
     judge = route_named(route)
     c = extremes.constants() if constants is None else constants
+    if not isinstance(c, Constants):
+        raise TypeError(f"constants must be what lyapunov.constants(...) returns, got {c!r}")
     radius = 0.0 if error is None else positive(error, "error", "rad")
     chosen = None if alpha is None else positive(alpha, "alpha", "1/s")
     low = judge.alpha_low(gains, c)

@@ -6,6 +6,7 @@ control, no saturation for a step to 1 rad/s.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import exp, log
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -86,9 +87,14 @@ def wheel_pid(
         gains: as from `tune_wheel`.
         dt: sample time [s].
         wheels: None for one with plain floats, or how many.
+
+    Raises:
+        ValueError: gains are not kp, ki, kd, or one that `DigitalPID` refuses.
     """
     from backhoe.pid import DigitalPID
 
+    if not (isinstance(gains, Sequence | np.ndarray) and len(gains) == 3):
+        raise ValueError(f"gains must be kp, ki, kd, as from tune_wheel, got {gains!r}")
     kp, ki, kd = gains if wheels is None else (np.full(wheels, gain) for gain in gains)
     return DigitalPID(kp, ki, kd, dt, limits=(-motor.voltage, motor.voltage))
 

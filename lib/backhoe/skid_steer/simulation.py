@@ -10,7 +10,7 @@ Three models, from coarse to fine, behind one function:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from os import cpu_count
@@ -201,10 +201,14 @@ def _commands(v_ref: ArrayLike, omega_ref: ArrayLike) -> NDArray:
 
 
 def _one_a_run(vehicle: Vehicle | Sequence[Vehicle], runs: int) -> list[Vehicle]:
-    vehicles = [vehicle] * runs if isinstance(vehicle, Vehicle) else list(vehicle)
+    if isinstance(vehicle, Vehicle):
+        return [vehicle] * runs
+    vehicles = list(vehicle) if isinstance(vehicle, Iterable) else [vehicle]
     if len(vehicles) != runs or not all(isinstance(p, Vehicle) for p in vehicles):
+        kinds = ", ".join(sorted({type(p).__name__ for p in vehicles}))
         raise ValueError(
-            f"vehicle must be one Vehicle, or one for each of the {runs} runs, got {len(vehicles)}"
+            f"vehicle must be one Vehicle, or one for each of the {runs} runs, got {len(vehicles)} "
+            f"({kinds})"
         )
     return vehicles
 

@@ -144,8 +144,11 @@ def turning_half_track(vehicle: Vehicle = HUSKY) -> float:
         y_ICR of the wheels, r (omega_R - omega_L)/(2 omega) [m].
 
     Raises:
-        ValueError: front and rear differ: then the forces across do not balance by symmetry.
+        ValueError: front and rear differ: then the forces across do not balance by symmetry; or
+            there is no friction along the wheels, and nothing drives the turn.
     """
+    if vehicle.friction_longitudinal == 0:
+        raise ValueError("turning_half_track needs friction along the wheels, got 0")
     if vehicle.front != vehicle.rear:
         raise ValueError(
             "turning_half_track needs front = rear, got "

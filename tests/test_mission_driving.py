@@ -197,6 +197,20 @@ def test_a_machine_of_your_own_drives_on_from_where_it_stands():
         plant.step(0.0, 0.0)
 
 
+def test_the_reference_of_a_run_that_was_cut_short_is_cut_short_too():
+    score = mission.score(short(tracker=PurePursuit(lookahead=1.0), time_limit=2.0))
+    assert score.reference.time == score.time == pytest.approx(2.0)
+
+
+def test_a_tracker_that_raises_is_called_by_its_own_name():
+    def lost(*situation):
+        raise KeyError("map")
+
+    with pytest.raises(KeyError) as error:
+        short(tracker=lost)
+    assert "raised by tracker 'lost' at t = 0.00 s" in error.value.__notes__
+
+
 def test_a_longer_sample_and_a_time_limit_are_kept():
     assert short(time_limit=0.5).time[-1] == pytest.approx(0.5)
 

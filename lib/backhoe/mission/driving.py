@@ -20,6 +20,7 @@ from backhoe.mission.believing import LIBRARY, Believing, checked_estimators
 from backhoe.mission.parts import DRIVE_PARTS
 from backhoe.mission.route import SPEED, default_route
 from backhoe.tracking import ARRIVAL, Assessment, Follow, Metrics, Path, PurePursuit, assess, follow
+from backhoe.tracking.follow import tracker_name
 from backhoe.tracking.path import positive
 from backhoe.travel import TrackedPlant
 
@@ -69,6 +70,7 @@ class DriveRun:
     beliefs: dict[str, NDArray] = field(default_factory=dict)
     fixes: float | None = None
     seed: int = 0
+    time_limit: float | None = None
 
     def replay(
         self,
@@ -188,7 +190,8 @@ def _drive(
     watched = _Watched(plant if believing is None else believing, recorder)
     own = given.get("tracker")
     tracker = PurePursuit(lookahead=LOOKAHEAD) if own is None else _CheckedTracker(own)
-    run = follow(tracker, watched, path, mode=mode, time_limit=time_limit, speed=SPEED)
+    name = None if own is None else tracker_name(own)
+    run = follow(tracker, watched, path, mode=mode, time_limit=time_limit, speed=SPEED, name=name)
     believed = None if believing is None else run.pose
     if believing is not None:
         run = _as_it_was(run, np.array(believing.truth))
@@ -216,6 +219,7 @@ def _drive(
         beliefs={} if believing is None else _arrays(believing.beliefs),
         fixes=fixes,
         seed=seed,
+        time_limit=time_limit,
     )
 
 

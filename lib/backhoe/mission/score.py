@@ -161,6 +161,7 @@ def _reference_drive(
     machine: Machine,
     backend: str,
     senses: tuple[tuple[str, ...], float | None, int],
+    time_limit: float | None,
 ) -> DriveScore:
     path = Path(
         np.frombuffer(points).reshape(-1, 2), None if times is None else np.frombuffer(times)
@@ -176,6 +177,7 @@ def _reference_drive(
             pose=start,
             fixes=fixes if "localisation" in parts else None,
             seed=seed,
+            time_limit=time_limit,
             **parts,
         )
     )
@@ -195,6 +197,7 @@ def _score_drive(run: DriveRun) -> DriveScore:
         run.machine,
         run.backend,
         (believers, run.fixes, run.seed),
+        run.time_limit,
     )
     return replace(measured, reference=reference)
 

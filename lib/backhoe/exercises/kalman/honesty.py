@@ -109,7 +109,7 @@ def _headings(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for _ in range(10):
         end = float(rng.integers(5, 9))
-        t, t_e = np.linspace(0, end, int(20 * end) + 1), np.linspace(0, end, int(31 * end) + 1)
+        t, t_e = np.linspace(0, end, int(20 * end) + 1), np.linspace(0, end, int(32 * end) + 1)
         rate = rng.uniform(0.5, 0.9)
         true, estimated = rate * t, (rate + 0.03) * t_e + 0.05 * rng.normal(size=len(t_e))
         cases.append((t, wrapped(true), t_e, wrapped(estimated), float(rng.choice((0.1, 0.25)))))
@@ -186,5 +186,5 @@ RMSE = Exercise(
         "For each instant of a grid 0, period, 2 period, ... the nearest sample of either signal.",
         "np.argmin(np.abs(t - instant)) finds it; wrap each difference, then square, mean, root.",
     ),
-    tested_on="10 drives whose truth comes at 20 Hz and whose estimate at 31 Hz",
+    tested_on="10 drives whose truth comes at 20 Hz and whose estimate at 32 Hz",
 )

@@ -496,7 +496,6 @@ def test_rmse_of_equal_rates_is_the_usual_one():
 def test_rmse_takes_the_nearest_samples_of_different_rates():
     time, time_e = np.arange(0, 10.001, 0.01), np.sort(RNG.uniform(0, 10, 300))
     truth, estimate = np.sin(time)[:, None], np.cos(time_e)[:, None]
-    grid = np.arange(np.ceil(time_e[0] / 0.05), 200) * 0.05
     first, last = time_e[0], time_e[-1]
     grid = first + 0.05 * np.arange(int((last - first) / 0.05 + 1e-9) + 1)
     errors = [

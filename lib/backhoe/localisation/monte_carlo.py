@@ -21,7 +21,7 @@ from backhoe.localisation.scores import pose_rmse
 __all__ = ["RUNS", "MonteCarlo", "monte_carlo", "starts"]
 
 RUNS = 50
-"""Of a Monte Carlo trial: as many as in the issue's bands."""
+"""Of a Monte Carlo trial: ours."""
 
 
 @dataclass(frozen=True, eq=False)

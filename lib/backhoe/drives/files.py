@@ -22,7 +22,7 @@ __all__ = ["FOLDER", "MACHINE", "TRUTH_RATE", "from_log", "load", "names", "writ
 FOLDER = Path(__file__).resolve().parents[3] / "data" / "drives"
 
 TRUTH_RATE = 20.0
-"""Of the truth in the files [Hz]: a log of its own, slower than the sensors'."""
+"""Of the truth in the files [Hz], or the nearest that the samples allow: a log of its own."""
 
 MACHINE = "backhoe"
 """The drive of the machine itself."""
@@ -30,9 +30,9 @@ MACHINE = "backhoe"
 _COMMAND = "python -m backhoe.drives"
 _COLUMNS = ("left_rate", "right_rate"), ("gyro", "yaw"), ("x", "y", "psi")
 _FILES = {
-    "encoders": ("t [s],left_rate [rad/s],right_rate [rad/s]", "%.2f,%.3f,%.3f"),
-    "imu": ("t [s],gyro [rad/s],yaw [rad]", "%.2f,%.3f,%.3f"),
-    "truth": ("t [s],x [m],y [m],psi [rad]", "%.2f,%.4f,%.4f,%.4f"),
+    "encoders": ("t [s],left_rate [rad/s],right_rate [rad/s]", "%.2f,%.3f,%.3f", 3),
+    "imu": ("t [s],gyro [rad/s],yaw [rad]", "%.2f,%.3f,%.3f", 3),
+    "truth": ("t [s],x [m],y [m],psi [rad]", "%.2f,%.4f,%.4f,%.4f", 4),
 }
 
 
@@ -137,21 +137,20 @@ def write(folder: str | Path = FOLDER) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     made = []
     for name in names():
-        scenario = name.removesuffix("_slip")
-        if name == MACHINE:
-            drive, title = (
-                drive_the_machine(),
-                "the simulated machine along a G with the slip of its tracks",
-            )
-        else:
-            slips = name != scenario
-            drive = record(scenario, turning=SLIPPING if slips else 1.0)
-            title = SCENARIOS[scenario].title
+        title, drive = _drive(name)
         for kind, path in zip(_FILES, _paths(name, folder), strict=True):
             if path not in made:
-                _save(path, kind, title, drive, name != scenario)
+                _save(path, kind, title, drive)
                 made.append(path)
     return made
+
+
+def _drive(name: str) -> tuple[str, Recording]:
+    if name == MACHINE:
+        return "the simulated machine along a G with the slip of its tracks", drive_the_machine()
+    scenario = name.removesuffix("_slip")
+    drive = record(scenario, turning=1.0 if name == scenario else SLIPPING)
+    return SCENARIOS[scenario].title, drive
 
 
 def _paths(name: str, folder: Path) -> tuple[Path, Path, Path]:
@@ -160,36 +159,37 @@ def _paths(name: str, folder: Path) -> tuple[Path, Path, Path]:
     return tuple(folder / f"{who}_{kind}.csv" for who, kind in zip(whose, _FILES, strict=True))
 
 
-def _save(path: Path, kind: str, title: str, drive: Recording, slips: bool) -> None:
-    header, form = _FILES[kind]
+def _save(path: Path, kind: str, title: str, drive: Recording) -> None:
+    header, form, decimals = _FILES[kind]
+    tables = {
+        "encoders": (drive.time, drive.left, drive.right),
+        "imu": (drive.time, drive.gyro, drive.yaw),
+        "truth": (drive.truth_time, *drive.truth.T),
+    }
+    table = np.column_stack(tables[kind])
     if kind == "truth":
-        stride = round(1 / TRUTH_RATE / (drive.time[1] - drive.time[0]))
-        stride = max(stride, 1)
-        table = np.column_stack([drive.truth_time, drive.truth])[::stride]
-    elif kind == "imu":
-        table = np.column_stack([drive.time, drive.gyro, drive.yaw])
-    else:
-        table = np.column_stack([drive.time, drive.left, drive.right])
-    comments = [f"# {kind} of: {title}", f"# made by: {_COMMAND}"]
-    if kind == "encoders":
-        comments.append(f"# {_slip(drive, slips)}")
-        comments.append(f"# seed {SEED}; noise of a sample: variance {NOISE.encoder} (rad/s)^2")
-    elif kind == "imu":
-        comments.append(
-            f"# seed {SEED}; noise of a sample: variance {NOISE.gyro} (rad/s)^2 and {NOISE.yaw} "
-            "rad^2; the gyro has a bias"
-        )
+        table = table[:: round(1 / TRUTH_RATE / (drive.time[1] - drive.time[0]))]
+    lines = [f"{kind} of: {title}", f"made by: {_COMMAND}", *_remarks(kind, drive)]
     with open(path, "w", encoding="utf-8", newline="\n") as file:
-        file.write("\n".join([*comments, header]) + "\n")
-        np.savetxt(file, np.round(table, 4 if kind == "truth" else 3) + 0.0, fmt=form)
+        file.write("".join(f"# {line}\n" for line in lines) + header + "\n")
+        np.savetxt(file, np.round(table, decimals) + 0.0, fmt=form)
 
 
-def _slip(drive: Recording, slips: bool) -> str:
-    if np.isnan(drive.turning):
+def _remarks(kind: str, drive: Recording) -> list[str]:
+    sample = f"seed {SEED}; noise of a sample: variance"
+    if kind == "encoders":
+        return [_slip(drive.turning), f"{sample} {NOISE.encoder} (rad/s)^2"]
+    if kind == "imu":
+        return [f"{sample} {NOISE.gyro} (rad/s)^2 and {NOISE.yaw} rad^2; the gyro has a bias"]
+    return []
+
+
+def _slip(turning: float) -> str:
+    if np.isnan(turning):
         return "slip: that of the simulated tracks on the ground"
-    if slips:
-        return f"slip: the machine turns {drive.turning:g} of what its tracks would without slip"
-    return "no slip"
+    if turning == 1:
+        return "no slip"
+    return f"slip: the machine turns {turning:g} of what its tracks would without slip"
 
 
 def _read(path: Path, columns: tuple[str, ...]) -> DriveLog:

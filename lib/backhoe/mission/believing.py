@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from backhoe.drives import NOISE
 from backhoe.mission.asking import asked, checked_part, numbers
 
-__all__ = ["ESTIMATORS", "LIBRARY", "Believing", "estimators"]
+__all__ = ["ESTIMATORS", "LIBRARY", "Believing", "checked_estimators", "estimators"]
 
 ESTIMATORS = ("odometry", "localisation")
 LIBRARY = "library"

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from backhoe.pid import PID
+from backhoe.pid import ARM_GAINS, PID
 
 DT = 1e-3
 
@@ -61,3 +61,21 @@ def test_reset_forgets_the_integral():
 def test_bad_gains_are_named(arguments, message):
     with pytest.raises(ValueError, match=message):
         PID(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"q_ref": np.full(4, np.nan)}, "must be finite, their differences are"),
+        ({"dq": np.full(4, np.inf)}, "must be finite, their differences are"),
+        ({"q_ref": np.zeros((1, 4))}, r"must have shape \(4,\), their differences have \(1, 4\)"),
+        ({"dt": 0.0}, "dt must be a positive time in s, got 0.0"),
+        ({"dt": np.nan}, "dt must be a positive time in s, got nan"),
+    ],
+)
+def test_a_bad_sample_is_refused_and_leaves_the_integral_alone(change, says):
+    sample = {name: np.zeros(4) for name in ("q_ref", "dq_ref", "q", "dq")} | {"dt": 0.001}
+    control = PID(*ARM_GAINS)
+    with pytest.raises(ValueError, match=says):
+        control(**(sample | change))
+    assert control.integral == [0.0] * 4

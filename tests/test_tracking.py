@@ -648,3 +648,21 @@ def test_a_minute_at_50_hz_takes_well_under_half_a_second():
             best = min(best, process_time() - start)
         assert len(run.time) > 2600
         assert best < 0.4
+
+
+def waypoint_at(position, next_position, path, speed=0.3):
+    return tracking.Goal(np.array(position), np.array(next_position), speed, np.array(path), 0.1)
+
+
+def test_pure_pursuit_hurries_by_its_look_ahead_at_most():
+    tracker = tracking.PurePursuit(lookahead=0.5, window=20.0, catch_up=2.0)
+    far = waypoint_at((5.0, 0.0), (5.1, 0.0), [(0.0, 0.0), (9.0, 0.0)])
+    assert tracker(np.zeros(3), np.zeros(2), far, 0.1) == pytest.approx((0.3 + 2.0 * 0.5, 0.0))
+
+
+def test_the_pid_tracker_looks_beyond_the_way_point_only_when_it_is_near():
+    tracker = tracking.PIDTracker(rho_alpha=0.4)
+    for distance, turns in ((0.5, False), (0.3, True)):
+        goal = waypoint_at((distance, 0.0), (distance, 1.0), [(0.0, 0.0), (distance, 0.0)])
+        tracker.reset()
+        assert (tracker(np.zeros(3), np.zeros(2), goal, 0.1)[1] > 0) == turns

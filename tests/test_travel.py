@@ -402,3 +402,20 @@ def test_a_command_that_is_not_finite_is_refused():
         pytest.raises(ValueError, match="v and omega must be finite"),
     ):
         plant.step(np.nan, 0.0)
+
+
+def test_an_integral_at_the_limit_may_come_back():
+    control = travel.VelocityPI(kp=(1.0, 1.0), ki=(100.0, 0.0), limit=10.0)
+    control(0.9, 0.0, 0.0, 0.0, 0.1)
+    assert control.integral[0] == pytest.approx(0.09)
+    forces = control(-0.1, 20.0, 0.0, 0.0, 0.1)
+    assert forces == pytest.approx((-10.0, 10.0))
+    assert control.integral[0] == pytest.approx(0.08)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_no_track_is_asked_for_more_than_the_limit_in_either_turn(side):
+    control = travel.VelocityPI(kp=(1.0, 1.0), ki=(0.0, 0.0), limit=10.0)
+    left, right = control(50.0, side * 4.0, 0.0, 0.0, 0.1)
+    assert (left + right) / 2 == pytest.approx(6.0)
+    assert (right - left) / 2 == pytest.approx(side * 4.0)

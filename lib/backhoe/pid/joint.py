@@ -7,6 +7,7 @@ are ours, chosen for the tour with `gravity_torque` added to the PID.
 
 from __future__ import annotations
 
+from math import inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -81,8 +82,14 @@ class PID:
 
         Returns:
             Joint torques, shape (n,) [N m], within the torque limit.
+
+        Raises:
+            ValueError: another shape, a value that is not finite, or dt is not positive; the PID
+                is as before then.
         """
-        joints = self.kp, self.ki, self.kd, self.torque_limit, q_ref - q, dq_ref - dq
+        errors, rates = q_ref - q, dq_ref - dq
+        self._check(errors, rates, dt)
+        joints = self.kp, self.ki, self.kd, self.torque_limit, errors, rates
         columns = zip(*(values.tolist() for values in joints), strict=True)
         torque = []
         for joint, (kp, ki, kd, limit, error, rate) in enumerate(columns):
@@ -93,3 +100,17 @@ class PID:
                 self.integral[joint] = integral
             torque.append(given)
         return np.array(torque)
+
+    def _check(self, errors: NDArray, rates: NDArray, dt: float) -> None:
+        if not errors.shape == rates.shape == self.kp.shape:
+            raise ValueError(
+                f"q_ref, dq_ref, q and dq must have shape {self.kp.shape}, their differences have "
+                f"{errors.shape} and {rates.shape}"
+            )
+        if not isfinite(sum(errors.tolist()) + sum(rates.tolist())):
+            raise ValueError(
+                "q_ref, dq_ref, q and dq must be finite, their differences are "
+                f"{errors} rad and {rates} rad/s"
+            )
+        if not 0 < dt < inf:
+            raise ValueError(f"dt must be a positive time in s, got {dt!r}")

@@ -1,4 +1,4 @@
-"""Exercise 7.8: a whole cycle, the pose moved by the encoders and corrected by a yaw."""
+"""Exercise 7.7: a whole cycle, the pose moved by the encoders and corrected by a yaw."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _other(
 
 
 CYCLE = Exercise(
-    number="7.8",
+    number="7.7",
     title="A whole cycle",
     reference=cycle,
     cases=_cases,
@@ -79,6 +79,16 @@ CYCLE = Exercise(
             "Q and R swapped",
             lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, R, M),
             "the two noises are swapped: M is that of the sprockets, R that of the yaw",
+        ),
+        Mistake(
+            "R squared",
+            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, M, R**2),
+            "R is squared: it is a variance already, not a standard deviation",
+        ),
+        Mistake(
+            "M squared",
+            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, M**2, R),
+            "M is squared: it is a variance already, not a standard deviation",
         ),
         Mistake(
             "Q forgotten",
@@ -124,7 +134,7 @@ CYCLE = Exercise(
         ),
     ),
     hints=(
-        "s and d as in 7.5, then 7.3 with v T_s = s and omega T_s = d for F, and 7.5 for Q.",
+        "s and d as in 7.6, then 7.3 with v T_s = s and omega T_s = d for F, and 7.6 for Q.",
         "H = [[0, 0, 1]]; wrap yaw - x[2], then it is exercise 7.2 with that innovation.",
     ),
     tested_on="30 random poses, some of whose yaws are whole turns away",

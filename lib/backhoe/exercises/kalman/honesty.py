@@ -1,4 +1,4 @@
-"""Exercises 7.6 and 7.7: how honest a filter is, and how far off."""
+"""Exercises 7.5 and 7.8: how honest a filter is, and how far off."""
 
 from __future__ import annotations
 
@@ -25,9 +25,10 @@ def nees(truth: NDArray, estimate: NDArray, P: NDArray) -> float:
 def _poses(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for turns in rng.integers(-2, 3, 30):
-        A = rng.normal(size=(3, 3)) * (0.3, 0.3, 0.1)
+        A = rng.normal(size=(3, 3)) * (0.3, 0.3, 0.1) * rng.choice((1.0, 8.0))
         P = A.T @ A + np.diag((0.02, 0.02, 0.002))
         truth = rng.uniform((-9, -9, -6), (9, 9, 6))
+        truth[2] = rng.choice((truth[2], np.pi * rng.choice((-1, 1))))
         estimate = rng.multivariate_normal(truth + np.array([0, 0, 2 * np.pi * turns]), P)
         cases.append((truth, estimate, P))
     return cases
@@ -38,8 +39,12 @@ def _error(truth: NDArray, estimate: NDArray) -> NDArray:
     return np.append(e[:2], wrapped(e[2]))
 
 
+def _squared(e: NDArray, P: NDArray) -> float:
+    return float(e @ np.linalg.solve(P, e))
+
+
 NEES = Exercise(
-    number="7.6",
+    number="7.5",
     title="Does the filter know?",
     reference=nees,
     cases=_poses,
@@ -48,6 +53,29 @@ NEES = Exercise(
             "heading not wrapped",
             lambda truth, estimate, P: (truth - estimate) @ np.linalg.inv(P) @ (truth - estimate),
             "the heading is not wrapped: a whole turn is no error",
+        ),
+        Mistake(
+            "each wrapped alone",
+            lambda truth, estimate, P: _squared(
+                np.append(
+                    (truth - estimate)[:2], np.subtract(*wrapped(np.array([truth, estimate]))[:, 2])
+                ),
+                P,
+            ),
+            "each heading is wrapped by itself: 179 and -179 deg still differ by 358, wrap after "
+            "the subtraction",
+        ),
+        Mistake(
+            "from 0 to 2 pi",
+            lambda truth, estimate, P: _squared(
+                np.append((truth - estimate)[:2], (truth - estimate)[2] % (2 * np.pi)), P
+            ),
+            "wrapped to 0 ... 2 pi, a small error to the right becomes nearly a turn: -pi ... pi",
+        ),
+        Mistake(
+            "place wrapped too",
+            lambda truth, estimate, P: _squared(wrapped(truth - estimate), P),
+            "x and y are wrapped as well: they are metres, only the heading is an angle",
         ),
         Mistake(
             "without the inverse",
@@ -135,8 +163,12 @@ def _count_printed(t: NDArray, psi: NDArray, t_e: NDArray, psi_e: NDArray, perio
     return np.sqrt(np.sum(errors**2) / (len(errors) - 1))
 
 
+def _without_the_end(*drive: NDArray | float) -> float:
+    return np.sqrt(np.mean(wrapped(_errors(*drive)[:-1]) ** 2))
+
+
 RMSE = Exercise(
-    number="7.7",
+    number="7.8",
     title="Repair Algorithm 2",
     reference=rmse,
     cases=_headings,
@@ -155,6 +187,11 @@ RMSE = Exercise(
             "one too few",
             _count_printed,
             "the sum has one term more than it is divided by, as in Algorithm 2: take the mean",
+        ),
+        Mistake(
+            "end left out",
+            _without_the_end,
+            "the last instant is left out: the grid includes the end, but np.arange stops before",
         ),
         Mistake(
             "no root",

@@ -1,4 +1,4 @@
-"""Exercises 7.3 and 7.5: how a step carries errors on, and the noise that encoders put in."""
+"""Exercises 7.3 and 7.6: how a step carries errors on, and the noise that encoders put in."""
 
 from __future__ import annotations
 
@@ -130,18 +130,20 @@ def _noise(
     variance: float,
     gauge: float = _GAUGE,
     half: float = 0.5,
+    lever: float | None = None,
     sides: NDArray | None = None,
 ) -> NDArray:
     s, d = _RADIUS * (left + right) / 2, _RADIUS * (right - left) / _GAUGE
     cos, sin = np.cos(psi + half * d), np.sin(psi + half * d)
-    of_s_and_d = np.array([[cos, -half * s * sin], [sin, half * s * cos], [0, 1]])
+    arm = s * (half if lever is None else lever)
+    of_s_and_d = np.array([[cos, -arm * sin], [sin, arm * cos], [0, 1]])
     G = of_s_and_d @ (_RADIUS * np.array([[1 / 2, 1 / 2], [-1 / gauge, 1 / gauge]]))
     M = variance * (np.eye(2) if sides is None else sides)
     return G @ M @ G.T
 
 
 NOISE = Exercise(
-    number="7.5",
+    number="7.6",
     title="Noise of the encoders in the pose",
     reference=encoder_noise,
     cases=_noises,
@@ -177,6 +179,11 @@ NOISE = Exercise(
             "heading at the start",
             lambda psi, left, right, variance: _noise(psi, left, right, variance, half=0.0),
             "half of the turn is missing: an error of d also turns the way, by d/2",
+        ),
+        Mistake(
+            "place moved by s alone",
+            lambda psi, left, right, variance: _noise(psi, left, right, variance, lever=0.0),
+            "x and y change with the turn, too: differentiate the d/2 in their cosine and sine",
         ),
         Mistake(
             "diagonal only",

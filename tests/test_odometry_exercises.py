@@ -27,6 +27,12 @@ def test_order_is_the_librarys():
     assert sums.order(steps_, errors) == pytest.approx(odometry.order(steps_, errors))
 
 
+def test_order_of_what_has_no_logarithm_is_no_number_and_prints_nothing(capfd):
+    with np.errstate(all="ignore"):
+        assert np.isnan(sums.order(-(0.5 ** np.arange(5)), np.ones(5)))
+    assert capfd.readouterr() == ("", "")
+
+
 def test_jacobian_is_the_librarys_robot_on_three_wheels():
     np.testing.assert_allclose(
         robots.jacobian(0.05, 0.2), odometry.omni(0.05, 0.2).body, atol=1e-15

@@ -73,6 +73,13 @@ TICKS = Exercise(
             "these are the ticks since the start: return those from reading to reading",
         ),
         Mistake(
+            "wraps backwards forgotten",
+            lambda counts, bits: np.where(
+                np.diff(counts) < -(2 ** (bits - 1)), np.diff(counts) + 2**bits, np.diff(counts)
+            ),
+            "wraps forwards are repaired, wraps backwards are not: a rise may be too large, too",
+        ),
+        Mistake(
             "jumps left out",
             lambda counts, bits: np.where(
                 np.abs(np.diff(counts)) > 2 ** (bits - 1), 0, np.diff(counts)

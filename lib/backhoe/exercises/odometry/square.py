@@ -144,6 +144,11 @@ SQUARES = Exercise(
             "the wheels run half a gauge inside and outside of the bend, not a whole one",
         ),
         Mistake(
+            "order of the two",
+            lambda *given: calibrate(*given)[::-1],
+            "the two numbers are in the reverse order: the gauge first, then the ratio",
+        ),
+        Mistake(
             "gauge as a factor",
             lambda cw, ccw, side, gauge: (
                 calibrate(cw, ccw, side, gauge)[0] / gauge,

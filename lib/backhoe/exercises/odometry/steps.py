@@ -206,6 +206,10 @@ def _straight(pose: NDArray, v: float, omega: float, dt: float, share: float) ->
     return np.array([*(pose[:2] + way), pose[2] + omega * dt])
 
 
+def _sinc_without_pi(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
+    return _straight(pose, v * np.sinc(omega * dt / 2), omega, dt, 0.5)
+
+
 def _wrapped(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
     end = arc(pose, v, omega, dt)
     return np.array([end[0], end[1], (end[2] + np.pi) % (2 * np.pi) - np.pi])
@@ -261,6 +265,16 @@ ARC = Exercise(
             "(4.2) as printed",
             lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 1.5),
             "(4.2) as printed, beyond the end: the middle is psi_{k-1} + omega T / 2",
+        ),
+        Mistake(
+            "sinc without its pi",
+            _sinc_without_pi,
+            "np.sinc(z) is sin(pi z) / (pi z): give it h / pi",
+        ),
+        Mistake(
+            "increment alone",
+            lambda pose, v, omega, dt: arc(pose, v, omega, dt) - pose,
+            "that is how far it moved: add it to the pose",
         ),
         Mistake(
             "heading kept",

@@ -89,7 +89,8 @@ WAY = Exercise(
 
 def order(steps: NDArray, errors: NDArray) -> float:
     """Slope of log error over log step, by least squares [1]."""
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+    x, y = np.log(steps), np.log(errors)
+    return _fit(x, y)
 
 
 def _families(rng: np.random.Generator) -> list[tuple]:
@@ -102,7 +103,8 @@ def _families(rng: np.random.Generator) -> list[tuple]:
 
 
 def _fit(x: NDArray, y: NDArray, place: int = 0) -> float:
-    return float(np.polyfit(x, y, 1)[place])
+    finite = np.isfinite(x).all() and np.isfinite(y).all()
+    return float(np.polyfit(x, y, 1)[place]) if finite else np.nan
 
 
 ORDER = Exercise(

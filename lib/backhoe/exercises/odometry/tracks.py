@@ -120,6 +120,11 @@ ODOMETRY = Exercise(
             "that is (4.1) as printed, along the heading of the end: take the middle, or the arc",
         ),
         Mistake(
+            "increment alone",
+            lambda pose, *given: odometry(pose, *given) - pose,
+            "that is how far it moved in the step: add it to the pose",
+        ),
+        Mistake(
             "divided by zero",
             _divided,
             "it divides by omega = 0 when both tracks run alike",

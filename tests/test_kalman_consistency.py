@@ -124,3 +124,7 @@ def test_the_ellipse_holds_its_share():
 def test_bad_input_is_named(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_no_runs_have_no_nees():
+    assert kalman.nees(np.zeros((0, 3)), np.zeros((0, 3, 3))).shape == (0,)

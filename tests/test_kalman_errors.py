@@ -165,6 +165,10 @@ def test_an_update_names_what_is_wrong(call, message):
     ("changes", "message"),
     [
         ({"f": lambda x, u, dt: x[:1]}, r"f\(x, u, dt\) must have shape \(2,\), got shape \(1,\)"),
+        (
+            {"f": lambda x, u, dt: x[:1], "F": None},
+            r"f\(x, u, dt\) must have shape \(2,\), got shape \(1,\)",
+        ),
         ({"f": lambda x, u, dt: x + np.nan}, r"f\(x, u, dt\) must be finite"),
         ({"F": lambda x, u, dt: np.eye(3)}, r"F\(x, u, dt\) must have shape \(2, 2\)"),
         ({"F": lambda x, u, dt: np.nan * F}, r"F\(x, u, dt\) must be finite"),

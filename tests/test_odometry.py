@@ -256,7 +256,7 @@ def test_order_of_the_sums_on_steps_that_vary(rule, order):
         (([0, 0], [1], [1], 0.1), r"pose0 must end in 3 values \(x, y, psi\), got shape \(2,\)"),
         ((START, [1, 2], [1], 0.1), r"one shape \(..., N\), got \(2,\) and \(1,\)"),
         ((START, 1.0, 1.0, 0.1), "one shape"),
-        ((np.zeros((2, 3)), [1], [1], 0.1), r"pose0 must be \(3,\) or \(3,\)"),
+        ((np.zeros((2, 3)), [1], [1], 0.1), r"pose0 must be \(3,\) for velocities of shape \(1,\)"),
         ((START, [1, np.nan], [1, 1], 0.1), r"v must be finite, got nan at index \(1,\)"),
         ((START, ["a"], [1], 0.1), "v must be numbers"),
         ((START, [1], [1], 0.0), "dt must be above 0 s, got 0.0"),

@@ -196,7 +196,8 @@ def _pair(e: ArrayLike, P: ArrayLike, one: str, other: str) -> tuple[NDArray, ND
 
 def _roots(P: NDArray, name: str) -> NDArray:
     transposed = np.swapaxes(P, -1, -2)
-    if not np.isfinite(P).all() or np.abs(P - transposed).max() > 1e-9 * np.abs(P).max():
+    scale = np.abs(P).max(initial=0.0)
+    if not np.isfinite(P).all() or np.abs(P - transposed).max(initial=0.0) > 1e-9 * scale:
         raise ValueError(f"{name} must be finite and symmetric")
     try:
         return np.linalg.cholesky(P)

@@ -106,6 +106,7 @@ class ExtendedKalmanFilter(Filter):
                 finite. The filter is as before then.
         """
         dt, x, shape = duration(dt), self._x, self._P.shape
+        moved = plain(self._f(x.copy(), u, dt), x.shape, "f(x, u, dt)")
         F = plain(self._jacobian(x, u, dt), shape, "F(x, u, dt)")
         Q = self._Q
         if callable(Q):
@@ -113,7 +114,6 @@ class ExtendedKalmanFilter(Filter):
             if not self._Q_checked:
                 Q = covariance(Q, self._n, "Q(x, u, dt)")
                 self._Q_checked = True
-        moved = plain(self._f(x.copy(), u, dt), x.shape, "f(x, u, dt)")
         P = np.empty(shape)
         if not kernels().propagate(moved, F, self._P, Q, P):
             _complain(moved, F, Q)

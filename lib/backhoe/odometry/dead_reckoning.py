@@ -197,9 +197,10 @@ def _accumulate(
     """Poses from increments (..., N) along [m], across [m] (None: none) and turn [rad]."""
     pose0 = ending_in(pose0, 3, "pose0", "x, y, psi")
     if pose0.ndim > 1 and pose0.shape[:-1] != turn.shape[:-1]:
+        batch = "" if turn.ndim == 1 else f" or {(*turn.shape[:-1], 3)}"
         raise ValueError(
-            f"pose0 must be (3,) or {(*turn.shape[:-1], 3)} for velocities of shape {turn.shape}, "
-            f"got {pose0.shape}"
+            f"pose0 must be (3,){batch} for velocities of shape {turn.shape}, got {pose0.shape}: "
+            "one row of velocities for each start"
         )
     poses = np.empty((*turn.shape[:-1], turn.shape[-1] + 1, 3))
     poses[..., 0, :] = pose0

@@ -126,6 +126,13 @@ def test_a_measurement_that_is_no_number_changes_nothing(make, value):
     assert filter.x is before[0] and filter.P is before[1]
 
 
+def test_a_batch_wants_its_derivative_given():
+    with pytest.raises(ValueError, match="F must be a function or an array"):
+        kalman.BatchExtendedKalmanFilter(
+            lambda x, u, dt: x, None, lambda x: x[..., :1], H, Q, R, np.zeros((2, 2)), P0
+        )
+
+
 def test_a_batch_says_which_run_it_is():
     filter = batch()
     with pytest.raises(ValueError, match="in run 1: z must be finite"):

@@ -63,6 +63,10 @@ class BatchExtendedKalmanFilter(Filter):
         self._runs, self._n = x0.shape
         self._x = finite(x0, x0.shape, "x0")
         self._own = self._own_sensor(h, H, R, measurement_angles)
+        if F is None:
+            raise ValueError(
+                "F must be a function or an array: a batch takes no derivatives itself"
+            )
         self._f, self._F = f, F
         self._Q = Q if callable(Q) else covariance(Q, self._n, "Q")[None]
         self._Q_checked = not callable(Q)

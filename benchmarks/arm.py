@@ -14,7 +14,7 @@ from time import perf_counter
 import numpy as np
 import pinocchio as pin
 
-from backhoe import dynamics, kinematics
+from backhoe.arm import dynamics, kinematics
 from backhoe.machine import BACKHOE
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))

@@ -19,9 +19,10 @@ import numpy as np
 from mujoco import rollout
 from scipy.integrate import solve_ivp
 
-from backhoe import closed_loop, dynamics, movement, pid, sim
+from backhoe import simulation
+from backhoe.arm import closed_loop, dynamics, movement, pid
+from backhoe.arm.movement import Movement
 from backhoe.machine import BACKHOE, JOINTS, Machine, replace
-from backhoe.movement import Movement
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from oracles import mjcf
@@ -193,7 +194,9 @@ def scipy_run(reference: Movement) -> np.ndarray:
 def bullet_run(reference: Movement) -> None:
     """One run in PyBullet, the PID in Python."""
     controller = pid.PID(*pid.ARM_GAINS)
-    with sim.open_world(backend="pybullet", soil=False, base="fixed", q=reference.q[0]) as world:
+    with simulation.open_world(
+        backend="pybullet", soil=False, base="fixed", q=reference.q[0]
+    ) as world:
         for q_ref, dq_ref in zip(reference.q, reference.dq, strict=True):
             world.step(controller(q_ref, dq_ref, world.q, world.dq, world.dt))
 

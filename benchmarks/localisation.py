@@ -17,7 +17,7 @@ from time import perf_counter
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 
-from backhoe import kalman
+from backhoe.localisation import kalman
 
 RUNS, CYCLES, DT = 1000, 3000, 1 / 30
 ROUNDS, STEPS = 7, 1000

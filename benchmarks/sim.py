@@ -1,6 +1,6 @@
 """How fast the simulation runs, beside PyBullet's bare stepping of the same world.
 
-    python benchmarks/sim.py [seconds of simulated time]
+    python benchmarks/simulation.py [seconds of simulated time]
 
 Prints times faster than real time, by processor time of this process. A run repeats bit for bit, so
 each stretch of it counts with the fastest of its repetitions: what else the machine does drops out.
@@ -13,7 +13,8 @@ from time import process_time
 
 import numpy as np
 
-from backhoe import dynamics, pid, sim
+from backhoe import simulation
+from backhoe.arm import dynamics, pid
 
 RUNS = 5
 STRETCH = 250
@@ -68,7 +69,7 @@ def bare(world, seconds):
 def best(measure, seconds, **options):
     runs = []
     for _ in range(RUNS):
-        with sim.open_world(**options) as world:
+        with simulation.open_world(**options) as world:
             world.step(dynamics.gravity_torque(world.q))
             runs.append(measure(world, seconds))
     return seconds / np.min(runs, axis=0).sum()
@@ -76,7 +77,7 @@ def best(measure, seconds, **options):
 
 def picture(shadow):
     times = []
-    with sim.open_world(backend="pybullet") as world:
+    with simulation.open_world(backend="pybullet") as world:
         for _ in range(RUNS + 1):
             world.ground.terrain.touch()
             start = process_time()

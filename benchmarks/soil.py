@@ -14,7 +14,7 @@ from time import perf_counter
 
 import numpy as np
 
-from backhoe.soil import Ground, Terrain
+from backhoe.simulation.soil.ground import Ground, Terrain
 
 DT = 0.01
 

@@ -22,8 +22,8 @@ import control
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from backhoe import skid_steer
-from backhoe.skid_steer import HUSKY, Plant, simulate
+from backhoe.vehicle import skid_steer
+from backhoe.vehicle.skid_steer import HUSKY, Plant, simulate
 
 RUNS, LEGS, SAMPLES, DT = 500, 5, 1000, 0.02
 PEER_RUNS = 3
@@ -98,9 +98,9 @@ def scipy_s_way(rate: Rate, states: int, method: str, legs: np.ndarray) -> np.nd
 
 def pybullet_s_time(steps: int = 100) -> float:
     """Time of one run of the rover in PyBullet, from a few of its steps [s]."""
-    from backhoe import sim
+    from backhoe import simulation
 
-    with sim.open_rover(HUSKY, backend="pybullet", dt=DT) as rover:
+    with simulation.open_rover(HUSKY, backend="pybullet", dt=DT) as rover:
         rover.step(0.5, 0.5)
         seconds, _ = timed(lambda: [rover.step(0.5, 0.5) for _ in range(steps)])
     return seconds / steps * LEGS * SAMPLES

@@ -4,7 +4,8 @@ from pathlib import Path
 
 from PIL import Image
 
-from backhoe import mission, pid, sim
+from backhoe import mission, simulation
+from backhoe.arm import pid
 from backhoe.machine import BACKHOE
 
 MOMENT = 35.0
@@ -24,7 +25,7 @@ class Photographer:
         return self.controller(*state)
 
 
-with sim.open_world() as world:
+with simulation.open_world() as world:
     photographer = Photographer(world)
     mission.run(world=world, controller=photographer, cycles=2)
 Image.fromarray(photographer.picture).save(Path(__file__).with_suffix(".png"), optimize=True)

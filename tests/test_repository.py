@@ -10,7 +10,9 @@ import yaml
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-HEAVY_BY_NATURE = re.compile(r"backhoe\.(plots(\..*)?|sim\.\w+|.*kernels|.*compiled)")
+HEAVY_BY_NATURE = re.compile(
+    r"backhoe\.(view\.plots(\..*)?|simulation\.\w+|lessons\.\w+\.(figures|bench)|.*kernels|.*compiled)"
+)
 HEAVY = ("scipy", "matplotlib", "pybullet", "numba", "IPython", "ipywidgets", "control", "sympy")
 
 

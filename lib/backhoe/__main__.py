@@ -34,17 +34,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(command: str, further: Sequence[str], output: str | None) -> int:
     if command == "doctor":
-        from backhoe import doctor
+        from backhoe.course import doctor
 
         return doctor.report(doctor.examine())
     if command == "lab":
-        from backhoe import workspace
+        from backhoe.course import workspace
 
         workspace.open_lab(further)
     else:
-        from backhoe import lessons
+        from backhoe.course import site
 
-        print(f"open {lessons.build(output) / 'index.html'}")
+        print(f"open {site.build(output) / 'index.html'}")
     return 0
 
 

@@ -12,7 +12,7 @@ import urllib.request
 import nbformat
 import pytest
 
-from backhoe import workspace
+from backhoe.course import workspace
 
 TOKEN = "digger"
 CELLS = """() => window.jupyterapp.shell.currentWidget.content.widgets

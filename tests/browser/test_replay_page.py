@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from backhoe import replay
 from backhoe.machine import BACKHOE
-from backhoe.replay.recording import HeightField, Recording, Scalar
-from backhoe.replay.stage import machine_nodes
+from backhoe.view import replay
+from backhoe.view.replay.recording import HeightField, Recording, Scalar
+from backhoe.view.replay.stage import machine_nodes
 
 ALT = 'The arm digs a pit & says "<hello>".'
 

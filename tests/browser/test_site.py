@@ -4,19 +4,19 @@ import re
 
 import pytest
 
-from backhoe import lessons, workspace
+from backhoe.course import site, workspace
 
 NAMES = ["index", *sorted(p.stem for p in workspace.root().glob("notebooks/*.ipynb"))]
 PHONE = {"width": 360, "height": 740}
 
 
 @pytest.fixture(scope="module")
-def site(chromium, tmp_path_factory):
-    return lessons.build(tmp_path_factory.mktemp("site") / "lessons")
+def pages(chromium, tmp_path_factory):
+    return site.build(tmp_path_factory.mktemp("site") / "lessons")
 
 
 @pytest.fixture
-def visit(chromium, site):
+def visit(chromium, pages):
     """Opens a page of the site; at the end nothing must have asked another host or failed."""
     contexts, outside, errors = [], [], []
 
@@ -34,7 +34,7 @@ def visit(chromium, site):
         page = context.new_page()
         page.set_default_timeout(60_000)
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto((site / name).as_uri(), wait_until="load")
+        page.goto((pages / name).as_uri(), wait_until="load")
         return page
 
     yield open_page

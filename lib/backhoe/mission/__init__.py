@@ -17,6 +17,7 @@ from backhoe.mission.parts import (
     parts,
     smooth_trajectory,
 )
+from backhoe.mission.recorded import drive_the_machine
 from backhoe.mission.route import default_route
 from backhoe.mission.score import DriveScore, Score, score
 
@@ -31,6 +32,7 @@ __all__ = [
     "WayPoint",
     "default_route",
     "drive",
+    "drive_the_machine",
     "hand_made_plan",
     "parts",
     "run",

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.inputs import real_array
 from backhoe.mission.parts import DRIVE_PARTS, PARTS
-from backhoe.reals import real_array
 
 __all__ = ["asked", "checked_part", "numbers"]
 

@@ -12,7 +12,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.drives import NOISE
+from backhoe.localisation.drives import NOISE
 from backhoe.mission.asking import asked, checked_part, numbers
 
 __all__ = ["ESTIMATORS", "LIBRARY", "Believing", "checked_estimators", "estimators"]
@@ -78,7 +78,7 @@ class Believing:
         gyro = self._plant.twist[1] + self._bias + sqrt(NOISE.gyro) * noise[2]
         fix = None
         if self._fixes is not None and self._plant.time >= self._next_fix - self.dt / 2:
-            from backhoe.localisation.fixes import STATION_STD
+            from backhoe.localisation.fusion.fixes import STATION_STD
 
             self._next_fix += self._fixes
             fix = self.truth[-1][:2] + STATION_STD * noise[3:]
@@ -93,7 +93,7 @@ def estimators(parts: Mapping[str, object], machine: object, start: NDArray) -> 
         machine: whose tracks they are.
         start: pose (3,) [m, m, rad].
     """
-    from backhoe.localisation.online import Localiser, Odometer
+    from backhoe.localisation.fusion.online import Localiser, Odometer
 
     asks = {}
     for name in ESTIMATORS:

@@ -19,13 +19,22 @@ from backhoe.mission.asking import asked, checked_part, numbers
 from backhoe.mission.believing import LIBRARY, Believing, checked_estimators
 from backhoe.mission.parts import DRIVE_PARTS
 from backhoe.mission.route import SPEED, default_route
-from backhoe.tracking import ARRIVAL, Assessment, Follow, Metrics, Path, PurePursuit, assess, follow
-from backhoe.tracking.follow import tracker_name
-from backhoe.tracking.path import positive
-from backhoe.travel import TrackedPlant
+from backhoe.simulation.tracked_plant import TrackedPlant
+from backhoe.vehicle.tracking import (
+    ARRIVAL,
+    Assessment,
+    Follow,
+    Metrics,
+    Path,
+    PurePursuit,
+    assess,
+    follow,
+)
+from backhoe.vehicle.tracking.follow import tracker_name
+from backhoe.vehicle.tracking.path import positive
 
 if TYPE_CHECKING:
-    from backhoe.replay import Recorder, Replay
+    from backhoe.view.replay import Recorder, Replay
 
 __all__ = ["LOOKAHEAD", "DriveRun", "drive"]
 
@@ -86,7 +95,7 @@ class DriveRun:
         Raises:
             ValueError: the run was not recorded, or title or alt is empty.
         """
-        from backhoe.replay.recording import Line
+        from backhoe.view.replay.recording import Line
 
         if self.recorder is None:
             raise ValueError("this run was not recorded: call mission.drive(record=True)")
@@ -132,7 +141,7 @@ def drive(
             times.
         plant: what is driven, such as a rover or `skid_steer.Plant`; default the machine on its
             tracks. It is driven from where it stands and left open.
-        machine, backend: of the machine on its tracks, as in `sim.open_world`.
+        machine, backend: of the machine on its tracks, as in `simulation.open_world`.
         pose: where that machine starts, x, y, heading, shape (3,) [m, m, rad]; default the origin.
         time_limit: end of the run at the latest [s].
         record: keep what the 3D replay needs.
@@ -166,7 +175,7 @@ def drive(
         if velocity_controller is not None or others:
             raise ValueError(
                 "velocity_controller, machine, backend and pose are for the plant that drive opens:"
-                " a plant of your own brings them along, as in travel.TrackedPlant(controller=...)"
+                " a plant of your own brings them, as in simulation.TrackedPlant(controller=...)"
             )
         return _drive(plant, *settings, own_plant=True)
     controller = _checked_controller(velocity_controller)
@@ -322,12 +331,12 @@ def _checked_controller(part: Callable | None) -> Callable | None:
 
 
 def _recorder(plant: object) -> Recorder:
-    from backhoe.replay import Recorder
+    from backhoe.view.replay import Recorder
 
     seen = getattr(plant, "world", plant)
     if not (hasattr(seen, "machine") or hasattr(seen, "wheel_angles")):
         raise ValueError(
             "record=True needs something to look at: the machine on its tracks or a rover of "
-            f"sim.open_rover, got {type(plant).__name__}"
+            f"simulation.open_rover, got {type(plant).__name__}"
         )
     return Recorder(seen)

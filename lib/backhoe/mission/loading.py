@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe import dynamics, kinematics, pid, sim
+from backhoe import simulation
+from backhoe.arm import dynamics, kinematics, pid
+from backhoe.basics.inputs import real_array
 from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.mission.asking import asked, checked_part, numbers
 from backhoe.mission.parts import PARTS, WayPoint, hand_made_plan, smooth_trajectory
-from backhoe.reals import real_array
 
 if TYPE_CHECKING:
-    from backhoe.replay import Recorder, Replay
+    from backhoe.view.replay import Recorder, Replay
 
 LOG_EVERY = 10
 
@@ -40,7 +41,7 @@ class Run:
     swapped: tuple[str, ...]
     cycles: int
     machine: Machine
-    scene: sim.Scene
+    scene: simulation.Scene
     backend: str
     waypoints: tuple[WayPoint, ...]
     time: NDArray
@@ -136,7 +137,7 @@ def run(
     controller: Callable | None = None,
     trajectory: Callable | None = None,
     cycles: int = 3,
-    world: sim.Simulation | None = None,
+    world: simulation.Simulation | None = None,
     machine: Machine = BACKHOE,
     backend: str = "auto",
     record: bool = False,
@@ -150,7 +151,7 @@ def run(
         cycles: how many buckets.
         world: a simulation to run in; without it one is opened and closed here.
         machine: the machine, if no world is given.
-        backend: as in `sim.open_world`, if no world is given.
+        backend: as in `simulation.open_world`, if no world is given.
         record: keep what the 3D replay needs.
 
     Returns:
@@ -177,11 +178,13 @@ def run(
         checked_part(name, part)
     if world is not None:
         return _drive(world, cycles, given, record)
-    with sim.open_world(machine, backend=backend) as opened:
+    with simulation.open_world(machine, backend=backend) as opened:
         return _drive(opened, cycles, given, record)
 
 
-def _drive(world: sim.Simulation, cycles: int, given: dict[str, Callable], record: bool) -> Run:
+def _drive(
+    world: simulation.Simulation, cycles: int, given: dict[str, Callable], record: bool
+) -> Run:
     if world.ground is None:
         raise ValueError("the mission needs soil: open the world with soil=True")
     machine, dt = world.machine, world.dt
@@ -261,7 +264,7 @@ def _reference(
     return angles, speeds
 
 
-def _recorder(world: sim.Simulation) -> Recorder:
-    from backhoe import replay
+def _recorder(world: simulation.Simulation) -> Recorder:
+    from backhoe.view import replay
 
     return replay.Recorder(world)

@@ -110,7 +110,7 @@ OVER_TRUCK = (0.4, 5.7, 3.9)
 
 
 def hand_made_plan(cycle: int) -> list[WayPoint]:
-    """Way-points of one dig-and-load cycle, found by hand for the scene `sim.LOADING`.
+    """Way-points of one dig-and-load cycle, found by hand for the scene `simulation.LOADING`.
 
     Args:
         cycle: 0, 1, 2, ...; three strips of the heap take turns.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from backhoe.tracking import Path, from_points
+from backhoe.vehicle.tracking import Path, from_points
 
 __all__ = ["SPEED", "default_route"]
 

@@ -8,12 +8,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from backhoe import sim
+from backhoe import simulation
 from backhoe.machine import Machine
 from backhoe.mission.believing import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.loading import Run, run
-from backhoe.tracking import Path
+from backhoe.vehicle.tracking import Path
 
 
 @dataclass(frozen=True)
@@ -120,8 +120,8 @@ def _measure(run: Run) -> Score:
 
 
 @lru_cache(maxsize=8)
-def _reference_score(cycles: int, machine: Machine, scene: sim.Scene, backend: str) -> Score:
-    with sim.open_world(machine, backend=backend, scene=scene) as world:
+def _reference_score(cycles: int, machine: Machine, scene: simulation.Scene, backend: str) -> Score:
+    with simulation.open_world(machine, backend=backend, scene=scene) as world:
         return _measure(run(cycles=cycles, world=world))
 
 
@@ -226,7 +226,7 @@ def score(run: Run | DriveRun) -> Score | DriveScore:
     measured = _measure(run)
     if not run.swapped:
         return measured
-    backend = run.backend if run.backend in sim.BACKENDS else "auto"
+    backend = run.backend if run.backend in simulation.BACKENDS else "auto"
     return replace(
         measured, reference=_reference_score(run.cycles, run.machine, run.scene, backend)
     )

@@ -1,0 +1,266 @@
+"""Closed loops of the arm side by side, compiled: the sampled law, and what is measured of it.
+
+`step_kernels` moves the arm from one sample to the next and says why the loops look as they do.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+import numpy as np
+from numba import njit
+
+from backhoe.arm.closed_loop.rows import (
+    ABREAST,
+    INTEGRAL,
+    KD,
+    KI,
+    KP,
+    LANES,
+    LAST,
+    PAYLOAD,
+    Q_SEEN,
+    RATE,
+    ROWS,
+    TAU,
+    W_SEEN,
+    WANTED,
+    Q,
+    W,
+)
+from backhoe.arm.closed_loop.step_kernels import (
+    advance,
+    call,
+    compute_turns,
+    copy_rows,
+    gravity_torques,
+    inline,
+    newton_euler,
+    vectors,
+)
+
+PID, PID_GRAVITY, COMPUTED_TORQUE = range(3)
+"""The laws of `run`."""
+
+ERRORS, PEAK_ERRORS, LAST_ERRORS, PEAK_TORQUES, EFFORTS, SATURATED, OVERRUNS = range(7)
+"""Rows, times four joints, of the measures that `run` fills in."""
+
+_REFRESH = 16
+"""Samples after which cosines and sines are computed anew instead of turned on."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def run(
+    arm,
+    numbers,
+    model,
+    law,
+    runs,
+    reference,
+    rates,
+    sampling,
+    log_every,
+    log_of,
+    logs,
+    measures,
+):
+    """Follow a reference with some runs at once.
+
+    Args:
+        arm: the `Arm` that moves, without payload.
+        numbers: viscous friction [N m s/rad], Coulomb friction [N m], torque limit [N m], lower and
+            upper joint limit [rad], and in the first place of the last row the speed that smooths
+            Coulomb friction [rad/s], shape (6, 4).
+        model: the `Arm` that the law believes in.
+        law: PID, PID_GRAVITY or COMPUTED_TORQUE.
+        runs: kp, ki, kd, q, dq, integral of the error of each run at the start, and its payload in
+            the first place of the last row, shape (n, 7, 4), n at most `LANES`.
+        reference: q, dq, ddq, shape (3, m, 4) [rad, rad/s, rad/s^2].
+        rates: at which Coulomb friction settles a slow speed there, shape (m, 4) [1/s].
+        sampling: dt [s], samples between two readings of the joints, 1 for a derivative from
+            measured speeds or 0 from differences, filter time of the latter [s], and the error
+            [rad] and speed [rad/s] from which on a run counts as diverged.
+        log_every, log_of, logs: every which sample of run i goes into logs[log_of[i]], shape
+            (rows, 3, 4): q, dq, torque; -1 for none.
+        measures: filled in, shape (n, 7, 4).
+
+    Returns:
+        Samples that each run took: m, or fewer if it diverged, shape (n,).
+    """
+    dt, hold, measured, filter_time, largest_error, largest_speed = sampling
+    samples = reference.shape[1]
+    lanes = len(runs)
+    S, T = np.zeros(ROWS * LANES), np.zeros(ROWS * LANES)
+    M = np.zeros(28 * LANES)
+    run_of = np.arange(lanes)
+    taken = np.full(lanes, samples)
+    _begin(S, runs)
+    for i in range(samples):
+        wide = min(-(-lanes // ABREAST) * ABREAST, LANES)
+        if i % _REFRESH == 0:
+            compute_turns(S, arm, wide)
+        if i % hold == 0:
+            copy_rows(S, Q, Q_SEEN, 8, wide)
+        _feed_back(S, reference[:, i], measured, filter_time, dt, i, wide)
+        if law != PID:
+            _add_model(S, model, law, reference[2, i], lanes)
+        _saturate(S, numbers, dt, wide)
+        _measure(S, M, reference[0, i], numbers, i < samples - 1, wide)
+        if i % log_every == 0:
+            _log(S, logs, log_of, run_of, i // log_every, lanes)
+        if _all_fine(S, reference[0, i], largest_error, largest_speed, lanes) < lanes:
+            for j in range(lanes - 1, -1, -1):
+                if not _fine(S, reference[0, i], largest_error, largest_speed, j):
+                    taken[run_of[j]] = i
+                    lanes = _drop(S, M, run_of, measures, j, lanes)
+        if lanes == 0:
+            break
+        if i < samples - 1:
+            advance(S, T, arm, numbers, reference[:, i], rates[i], dt, lanes, wide)
+    for j in range(lanes - 1, -1, -1):
+        _drop(S, M, run_of, measures, j, j + 1)
+    return taken
+
+
+@call
+def _begin(S, runs):
+    for j in range(len(runs)):
+        for k in range(4):
+            S[(KP + k) * LANES + j] = runs[j, 0, k]
+            S[(KI + k) * LANES + j] = runs[j, 1, k]
+            S[(KD + k) * LANES + j] = runs[j, 2, k]
+            S[(Q + k) * LANES + j] = runs[j, 3, k]
+            S[(W + k) * LANES + j] = runs[j, 4, k]
+            S[(INTEGRAL + k) * LANES + j] = runs[j, 5, k]
+        S[PAYLOAD * LANES + j] = runs[j, 6, 0]
+
+
+@call
+def _drop(S, M, run_of, measures, j, lanes):
+    """Take the measures of a run that ends, and let the last lane have its place."""
+    for row in range(28):
+        measures[run_of[j], row // 4, row % 4] = M[row * LANES + j]
+        M[row * LANES + j] = M[row * LANES + lanes - 1]
+    for row in range(ROWS):
+        S[row * LANES + j] = S[row * LANES + lanes - 1]
+    run_of[j] = run_of[lanes - 1]
+    return lanes - 1
+
+
+@call
+def _feed_back(S, reference, measured, filter_time, dt, i, lanes):
+    """What the PID wants, before its model and the limit."""
+    for k in range(4):
+        q_ref, w_ref = reference[0, k], reference[1, k]
+        for j in range(lanes):
+            error = q_ref - S[(Q_SEEN + k) * LANES + j]
+            if measured:
+                rate = w_ref - S[(W_SEEN + k) * LANES + j]
+            else:
+                change = error - S[(LAST + k) * LANES + j]
+                rate = (filter_time * S[(RATE + k) * LANES + j] + change) / (filter_time + dt)
+                rate = rate if i > 0 else 0.0
+            S[(RATE + k) * LANES + j] = rate
+            S[(LAST + k) * LANES + j] = error
+            total = S[(INTEGRAL + k) * LANES + j] + error * dt
+            wanted = S[(KP + k) * LANES + j] * error + S[(KI + k) * LANES + j] * total
+            S[(WANTED + k) * LANES + j] = wanted + S[(KD + k) * LANES + j] * rate
+
+
+@call
+def _add_model(S, model, law, ddq_ref, lanes):
+    """What the law takes from its model of the arm, added to or made of the PID's output."""
+    for j in range(lanes):
+        p2 = S[(Q_SEEN + 1) * LANES + j] + model.o2
+        p3 = p2 + (S[(Q_SEEN + 2) * LANES + j] + model.o3)
+        p4 = p3 + (S[(Q_SEEN + 3) * LANES + j] + model.o4)
+        v = vectors(model, cos(p2), sin(p2), cos(p3), sin(p3), cos(p4), sin(p4))
+        if law == PID_GRAVITY:
+            g2, g3, g4 = gravity_torques(model, v)
+            S[(WANTED + 1) * LANES + j] += g2
+            S[(WANTED + 2) * LANES + j] += g3
+            S[(WANTED + 3) * LANES + j] += g4
+        else:
+            tau = newton_euler(
+                model,
+                v,
+                S[(W_SEEN + 0) * LANES + j],
+                S[(W_SEEN + 1) * LANES + j],
+                S[(W_SEEN + 2) * LANES + j],
+                S[(W_SEEN + 3) * LANES + j],
+                ddq_ref[0] + S[(WANTED + 0) * LANES + j],
+                ddq_ref[1] + S[(WANTED + 1) * LANES + j],
+                ddq_ref[2] + S[(WANTED + 2) * LANES + j],
+                ddq_ref[3] + S[(WANTED + 3) * LANES + j],
+            )
+            S[(WANTED + 0) * LANES + j] = tau[0]
+            S[(WANTED + 1) * LANES + j] = tau[1]
+            S[(WANTED + 2) * LANES + j] = tau[2]
+            S[(WANTED + 3) * LANES + j] = tau[3]
+
+
+@call
+def _saturate(S, numbers, dt, lanes):
+    """The torque within its limit; the integral goes on unless that pushes further out."""
+    for k in range(4):
+        limit = numbers[2, k]
+        for j in range(lanes):
+            wanted, error = S[(WANTED + k) * LANES + j], S[(LAST + k) * LANES + j]
+            given = min(max(wanted, -limit), limit)
+            goes_on = (given == wanted) | (wanted * error <= 0)
+            old = S[(INTEGRAL + k) * LANES + j]
+            S[(INTEGRAL + k) * LANES + j] = old + error * dt if goes_on else old
+            S[(TAU + k) * LANES + j] = given
+
+
+@call
+def _measure(S, M, q_ref, numbers, applied, lanes):
+    weight = 1.0 if applied else 0.0
+    for k in range(4):
+        lower, upper, reference = numbers[3, k], numbers[4, k], q_ref[k]
+        for j in range(lanes):
+            q, given = S[(Q + k) * LANES + j], S[(TAU + k) * LANES + j]
+            error, torque = reference - q, abs(given)
+            outside = max(lower - q, q - upper)
+            limited = weight if given != S[(WANTED + k) * LANES + j] else 0.0
+            M[(4 * ERRORS + k) * LANES + j] += error * error
+            M[(4 * PEAK_ERRORS + k) * LANES + j] = max(
+                M[(4 * PEAK_ERRORS + k) * LANES + j], abs(error)
+            )
+            M[(4 * LAST_ERRORS + k) * LANES + j] = error
+            M[(4 * PEAK_TORQUES + k) * LANES + j] = max(
+                M[(4 * PEAK_TORQUES + k) * LANES + j], torque
+            )
+            M[(4 * EFFORTS + k) * LANES + j] += weight * (given * given)
+            M[(4 * SATURATED + k) * LANES + j] += limited
+            M[(4 * OVERRUNS + k) * LANES + j] = max(M[(4 * OVERRUNS + k) * LANES + j], outside)
+
+
+@call
+def _log(S, logs, log_of, run_of, row, lanes):
+    for j in range(lanes):
+        log = log_of[run_of[j]]
+        if log >= 0:
+            for k in range(4):
+                logs[log, row, 0, k] = S[(Q + k) * LANES + j]
+                logs[log, row, 1, k] = S[(W + k) * LANES + j]
+                logs[log, row, 2, k] = S[(TAU + k) * LANES + j]
+
+
+@inline
+def _fine(S, q_ref, largest_error, largest_speed, j):
+    """False also where a number is no longer finite: every comparison with NaN is false."""
+    fine = True
+    for k in range(4):
+        fine &= abs(q_ref[k] - S[(Q + k) * LANES + j]) < largest_error
+        fine &= abs(S[(W + k) * LANES + j]) < largest_speed
+        fine &= abs(S[(TAU + k) * LANES + j]) < np.inf
+    return fine
+
+
+@call
+def _all_fine(S, q_ref, largest_error, largest_speed, lanes):
+    count = 0
+    for j in range(lanes):
+        count += _fine(S, q_ref, largest_error, largest_speed, j)
+    return count

@@ -1,0 +1,154 @@
+"""Check an exercise: one line that says not done yet, right, or what the likely mistake is.
+
+    from backhoe.check import check
+
+    check("1.2", my_function)   # or a value: check("0.1", 42.0)
+    check.hint("1.2")           # a hint, the next one at each call
+    check.solution("1.2")       # the source of the library's own function
+    check.summary()             # what is done in this notebook
+
+Writing an exercise (in `backhoe/lessons/<lesson>/exercises/`, in the tuple `EXERCISES`):
+
+    def _in_degrees(q):
+        return kinematics.forward_kinematics(np.radians(q))
+
+    Exercise(
+        number="1.2",
+        title="Where is the tip?",
+        reference=kinematics.forward_kinematics,
+        cases=lambda rng: [(rng.uniform(-0.8, 0.8, 4),) for _ in range(40)],
+        mistakes=(
+            Mistake("degrees", _in_degrees, "the angles are in radians already"),
+            ...  # at least four, each with its own diagnosis
+        ),
+        hints=("Which frame does each link turn in?", "Multiply the four transforms in order."),
+        tested_on="40 random postures",
+    )
+
+Signs, factors, degrees, transposition, order, wrong components, wrong shapes, NaN and errors are
+recognised without a `Mistake`; write one where you can say more. A mistake is recognised when its
+function gives the same outcomes as the answer, whatever their shape, NaN included.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections.abc import Mapping
+from functools import partial
+from typing import Protocol
+
+from backhoe.course.checking import guard
+from backhoe.course.checking.answers import ask, prepare
+from backhoe.course.checking.diagnosis import diagnose, is_untouched
+from backhoe.course.checking.outcomes import show
+from backhoe.lessons.exercise import Exercise, source_of
+
+__all__ = ["Check"]
+
+
+class Catalogue(Protocol):
+    """Where exercises are found."""
+
+    def find(self, number: str) -> Exercise:
+        """The exercise of that number, such as "1.2"; ValueError if there is none."""
+
+    def lesson(self, number: str) -> Mapping[str, Exercise]:
+        """All exercises of a lesson by their numbers."""
+
+
+class Check:
+    """Checks exercises and remembers, for as long as the kernel lives, how they went."""
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        self._catalogue = catalogue
+        self._wrong: dict[str, int] = {}
+        self._hints: dict[str, int] = {}
+        self._state: dict[str, str] = {}
+
+    def __call__(self, number: str, answer: object = None) -> None:
+        """Print one line about `answer`; from its second wrong answer on, a hint below it.
+
+        Args:
+            number: the exercise, such as "1.2".
+            answer: your function (not its result), or your value where a value is asked for.
+
+        Raises:
+            ValueError: there is no such exercise.
+        """
+        exercise = self._catalogue.find(number)
+        verdict, right = self._judge(exercise, answer)
+        print(f"exercise {exercise.number}: {verdict}")
+        if right or verdict == "not done yet":
+            self._state[exercise.number] = "right" if right else verdict
+            return
+        self._wrong[exercise.number] = self._wrong.get(exercise.number, 0) + 1
+        self._state[exercise.number] = "not yet"
+        if self._wrong[exercise.number] > 1:
+            self.hint(exercise.number)
+
+    def hint(self, number: str) -> None:
+        """Print the next hint of the exercise; after the last, the last again.
+
+        Raises:
+            ValueError: there is no such exercise.
+        """
+        exercise = self._catalogue.find(number)
+        if not exercise.hints:
+            print(f"exercise {exercise.number}: no hints")
+            return
+        place = min(self._hints.get(exercise.number, 0) + 1, len(exercise.hints))
+        self._hints[exercise.number] = place
+        hint = exercise.hints[place - 1]
+        print(f"exercise {exercise.number}: hint {place} of {len(exercise.hints)}: {hint}")
+
+    def solution(self, number: str) -> None:
+        """Print the reference: the source of the library's own function, or the value.
+
+        A teacher turns solutions off with the environment variable BACKHOE_SOLUTIONS=off.
+
+        Raises:
+            ValueError: there is no such exercise.
+        """
+        exercise = self._catalogue.find(number)
+        if os.environ.get("BACKHOE_SOLUTIONS", "").strip().lower() == "off":
+            print(f"exercise {exercise.number}: your teacher has turned the solutions off")
+        elif callable(exercise.reference):
+            function = source_of(exercise.reference)
+            place = f"{function.__module__}.{function.__qualname__}"
+            print(f"exercise {exercise.number}: one solution, {place}:\n")
+            print(inspect.getsource(function).rstrip())
+        else:
+            print(f"exercise {exercise.number}: the answer is {show(exercise.reference)}")
+
+    def summary(self) -> None:
+        """Print a table of the lessons that you have worked on since the kernel started."""
+        lessons = sorted({number.split(".")[0] for number in self._state}, key=int)
+        if not lessons:
+            print("no exercise checked yet")
+        for lesson in lessons:
+            of_lesson = self._catalogue.lesson(lesson)
+            done = sum(self._state.get(number) == "right" for number in of_lesson)
+            print(f"lesson {lesson}: {done} of {len(of_lesson)} right")
+            for number, exercise in of_lesson.items():
+                state = self._state.get(number, "not checked")
+                print(f"  {number:<5} {state:<13} {exercise.title}")
+
+    def _judge(self, exercise: Exercise, answer: object) -> tuple[str, bool]:
+        trial = prepare(exercise)
+        try:
+            trial = guard.run(partial(ask, answer, trial), exercise.timeout)
+        except guard.OutOfTime as out:
+            verdict = f"not yet: no answer after {exercise.timeout:g} s; is there an endless loop?"
+            if not out.stopped:
+                verdict += " It cannot be stopped: restart the kernel"
+            return verdict, False
+        if is_untouched(trial):
+            return "not done yet", False
+        diagnosis = diagnose(trial)
+        if diagnosis:
+            return f"not yet: {diagnosis}", False
+        tested = exercise.tested_on
+        if exercise.asks_for_a_function and not tested:
+            tested = f"{len(trial.cases)} inputs"
+        return f"right ({tested})" if tested else "right", True

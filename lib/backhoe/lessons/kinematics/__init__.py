@@ -1,0 +1,1 @@
+"""Lesson 01, `01_kinematics`: its exercises, figures and printed formulas."""

@@ -1,0 +1,284 @@
+"""Exercises 1.1 to 1.3: angles that one sees, the teeth from the side, how deep a machine digs."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.arm import kinematics
+from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.machine import BACKHOE, Machine, replace
+
+__all__ = ["ANGLES", "DEPTH", "SIDE_VIEW", "random_postures"]
+
+OFFSETS = np.array([link.angle_offset for link in BACKHOE.links])
+LENGTHS = np.array([link.length for link in BACKHOE.links])
+
+
+def random_postures(rng: np.random.Generator, count: int) -> NDArray:
+    """Joint angles within the limits, shape (count, 4) [rad]."""
+    return rng.uniform(BACKHOE.lower, BACKHOE.upper, (count, 4))
+
+
+def joint_angles(direction: float, pitches: ArrayLike) -> NDArray:
+    """q from the arm's direction (0 forward, positive to the left) and the links' pitches [rad]."""
+    turns = np.diff(pitches, prepend=0.0)
+    offsets = [link.angle_offset for link in BACKHOE.links]
+    return np.append(direction - np.pi / 2, turns - offsets)
+
+
+def _angle_cases(rng: np.random.Generator) -> list[tuple]:
+    return [(rng.uniform(-1.5, 3.0), rng.uniform((-0.6, -2, -4), (1, -1, -0.5))) for _ in range(40)]
+
+
+def _angles(direction: float, turns: NDArray, sign: float = -1.0) -> NDArray:
+    return np.append(direction - np.pi / 2, turns + sign * OFFSETS)
+
+
+ANGLES = Exercise(
+    number="1.1",
+    title="From what you see to what you set",
+    reference=joint_angles,
+    cases=_angle_cases,
+    mistakes=(
+        Mistake(
+            "absolute for relative",
+            lambda direction, pitches: _angles(direction, np.asarray(pitches)),
+            "a joint turns its link relative to the link before it: take the difference of pitches",
+        ),
+        Mistake(
+            "offsets added",
+            lambda direction, pitches: _angles(direction, np.diff(pitches, prepend=0.0), 1.0),
+            "q* = q + offset, so q = q* - offset: you have added the offsets",
+        ),
+        Mistake(
+            "offsets forgotten",
+            lambda direction, pitches: _angles(direction, np.diff(pitches, prepend=0.0), 0.0),
+            "these are q*, the angles of the table: take the offsets off to get q",
+        ),
+        Mistake(
+            "swing zero is forward",
+            lambda direction, pitches: joint_angles(direction + np.pi / 2, pitches),
+            "at q1 = 0 the arm points left, not forward: q1* = q1 + pi/2",
+        ),
+        Mistake(
+            "swing turned the wrong way",
+            lambda direction, pitches: joint_angles(direction + np.pi, pitches),
+            "the swing is off by half a turn: q1 = direction - pi/2, not + pi/2",
+        ),
+        Mistake(
+            "degrees returned",
+            lambda direction, pitches: np.degrees(joint_angles(direction, pitches)),
+            "these are degrees: everything inside the course is in radians",
+        ),
+    ),
+    hints=(
+        "Find q2* first: the boom is the first link, so its pitch is q2* itself. Then the stick.",
+        "q* = (pitch_boom, pitch_stick - pitch_boom, pitch_bucket - pitch_stick); q = q* - offset.",
+    ),
+    tested_on="40 random directions and pitches",
+)
+
+
+def side_view(q: ArrayLike) -> NDArray:
+    """Teeth: distance from the swing axis [m], height [m]; and the bucket's pitch [rad]."""
+    r, z = BACKHOE.swing.offset, BACKHOE.base.height + BACKHOE.swing.height
+    pitch = 0.0
+    for angle, link in zip(q[1:], BACKHOE.links, strict=True):
+        pitch += angle + link.angle_offset
+        r += link.length * np.cos(pitch)
+        z += link.length * np.sin(pitch)
+    return np.array([r, z, pitch])
+
+
+def _side(pitches: NDArray, pitch: float, lengths: NDArray = LENGTHS) -> NDArray:
+    r = BACKHOE.swing.offset + lengths @ np.cos(pitches)
+    z = BACKHOE.base.height + BACKHOE.swing.height + lengths @ np.sin(pitches)
+    return np.array([r, z, pitch])
+
+
+def _wrapped(q: NDArray) -> NDArray:
+    r, z, pitch = side_view(q)
+    return np.array([r, z, (pitch + np.pi) % (2 * np.pi) - np.pi])
+
+
+def _pitches(q: NDArray) -> NDArray:
+    return np.cumsum(q[1:] + OFFSETS)
+
+
+def _swapped(q: NDArray) -> NDArray:
+    r, z, pitch = _side(np.pi / 2 - _pitches(q), _pitches(q)[-1])
+    return np.array([r, z, pitch])
+
+
+SIDE_VIEW = Exercise(
+    number="1.2",
+    title="The teeth seen from the side",
+    reference=side_view,
+    cases=lambda rng: [(q,) for q in random_postures(rng, 60)],
+    mistakes=(
+        Mistake(
+            "relative for absolute",
+            lambda q: _side(q[1:] + OFFSETS, q[3] + OFFSETS[2]),
+            "each link is pitched by the sum of all q* up to it, not by its own q* alone",
+        ),
+        Mistake(
+            "offsets forgotten",
+            lambda q: _side(np.cumsum(q[1:]), q[1:].sum()),
+            "the offsets of Table A.1 are missing: q* = q + offset",
+        ),
+        Mistake(
+            "height of the base forgotten",
+            lambda q: side_view(q) - (0, BACKHOE.base.height, 0),
+            "the height counts from the ground: add the base's height L0",
+        ),
+        Mistake(
+            "height of the boom's joint forgotten",
+            lambda q: side_view(q) - (0, BACKHOE.base.height + BACKHOE.swing.height, 0),
+            "the boom's joint is L0 + L1 above the ground: add both",
+        ),
+        Mistake(
+            "boom's joint on the swing axis",
+            lambda q: side_view(q) - (BACKHOE.swing.offset, 0, 0),
+            "the boom's joint is b1 away from the swing axis: start rho there",
+        ),
+        Mistake(
+            "from the base's origin",
+            lambda q: side_view(q) - (-BACKHOE.base.offset, 0, 0),
+            "rho counts from the swing axis, which is b0 ahead of the base's origin: leave b0 out",
+        ),
+        Mistake(
+            "wrapped",
+            _wrapped,
+            "right but for whole turns of the pitch: leave it as the sum of the q*, do not wrap it",
+        ),
+        Mistake("sine and cosine", _swapped, "sine and cosine are swapped: pitch 0 is level"),
+        Mistake(
+            "stops at the pin",
+            lambda q: _side(_pitches(q), _pitches(q)[-1], LENGTHS * (1, 1, 0)),
+            "that is the bucket's pin: one more length L4 leads to the teeth",
+        ),
+    ),
+    hints=(
+        "Start at the boom's joint, (b1, L0 + L1), and add three arrows, one a link.",
+        "The arrow of a link is its length times (cos pitch, sin pitch); np.cumsum adds the q*.",
+    ),
+    tested_on="60 random postures within the limits",
+)
+
+
+def dig_depth(machine: Machine) -> float:
+    """How far below the ground the teeth get within the joint limits [m]."""
+    ranges = zip(machine.lower[1:], machine.upper[1:], strict=True)
+    grid = np.meshgrid(*(np.linspace(low, high, 31) for low, high in ranges), indexing="ij")
+    q = np.stack((np.zeros_like(grid[0]), *grid), axis=-1)
+    height = kinematics.forward_kinematics(q, machine=machine)[..., 2, 3]
+    return -height.min()
+
+
+def nearly_deep_enough(answer: float, reference: float, machine: Machine) -> bool | str:
+    """Compare depths to 3 cm; a search that only just misses is told so."""
+    if np.shape(answer) != ():
+        return "one depth for the machine is asked, a single number [m]"
+    if abs(answer - reference) <= 0.03:
+        return True
+    if 0 < reference - answer < 0.15:
+        return "nearly: some postures between yours reach a little deeper, so try more of them"
+    return False
+
+
+def _depth_cases(rng: np.random.Generator) -> list[tuple]:
+    machines = []
+    for _ in range(4):
+        scale = rng.uniform(0.75, 1.3, 3)
+        boom, stick, bucket = (
+            replace(link, length=link.length * factor)
+            for link, factor in zip(BACKHOE.links, scale, strict=True)
+        )
+        joint = replace(boom.joint, lower=np.radians(rng.uniform(-45.0, -25.0)))
+        boom = replace(boom, joint=joint)
+        machines.append((replace(BACKHOE, boom=boom, stick=stick, bucket=bucket),))
+    return machines
+
+
+def _height(machine: Machine) -> float:
+    return machine.base.height + machine.swing.height
+
+
+def _held(machine: Machine, joint: int) -> float:
+    """Depth with one joint kept at zero."""
+    link = machine.links[joint - 1]
+    stiff = replace(link, joint=replace(link.joint, lower=-1e-9, upper=1e-9))
+    return dig_depth(replace(machine, **{("boom", "stick", "bucket")[joint - 1]: stiff}))
+
+
+def _with_joints_of(machine: Machine) -> Machine:
+    boom, stick, bucket = (
+        replace(link, joint=other.joint)
+        for link, other in zip(BACKHOE.links, machine.links, strict=True)
+    )
+    return replace(BACKHOE, boom=boom, stick=stick, bucket=bucket)
+
+
+def _depth_of_pin(machine: Machine) -> float:
+    return dig_depth(replace(machine, bucket=replace(machine.bucket, length=1e-9)))
+
+
+DEPTH = Exercise(
+    number="1.3",
+    title="How deep does it dig?",
+    reference=dig_depth,
+    cases=_depth_cases,
+    mistakes=(
+        Mistake(
+            "without limits",
+            lambda machine: sum(link.length for link in machine.links) - _height(machine),
+            "the boom does not hang straight down: keep every joint within its limits",
+        ),
+        Mistake(
+            "this machine only",
+            lambda machine: dig_depth(BACKHOE),
+            "that is BACKHOE's own depth each time: use the machine that you are given",
+        ),
+        Mistake(
+            "lengths of this machine",
+            lambda machine: dig_depth(_with_joints_of(machine)),
+            "the limits are the given machine's, the lengths are not: pass machine=machine to "
+            "forward_kinematics",
+        ),
+        Mistake(
+            "pin for teeth",
+            _depth_of_pin,
+            "that is the depth of the bucket's pin: the teeth reach further",
+        ),
+        Mistake(
+            "from the boom's joint",
+            lambda machine: dig_depth(machine) + _height(machine),
+            "that is the depth below the boom's joint: the ground is L0 + L1 below it",
+        ),
+        Mistake(
+            "a height",
+            lambda machine: -dig_depth(machine),
+            "that is a height: the depth below the ground is positive",
+        ),
+        Mistake(
+            "bucket held still",
+            lambda machine: _held(machine, 3),
+            "the bucket joint stays at zero in your search: let it turn as well",
+        ),
+        Mistake(
+            "stick held still",
+            lambda machine: _held(machine, 2),
+            "the stick joint stays at zero in your search: let it turn as well",
+        ),
+    ),
+    hints=(
+        "Try many postures between machine.lower and machine.upper: 50 angles a joint will do.",
+        "np.meshgrid gives q of shape (..., 4); forward_kinematics(q, machine=machine)[..., 2, 3].",
+    ),
+    compare=nearly_deep_enough,
+    rtol=0.0,
+    atol=0.03,
+    timeout=30.0,
+    tested_on="4 machines with other links, to 3 cm",
+)

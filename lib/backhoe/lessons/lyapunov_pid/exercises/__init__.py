@@ -1,0 +1,20 @@
+"""The exercises of lesson 03, Lyapunov PID: references and the mistakes that they recognise."""
+
+from backhoe.lessons.lyapunov_pid.exercises.clock import CLOCK
+from backhoe.lessons.lyapunov_pid.exercises.constants import CERTIFICATE, GRAVITY_CONSTANT
+from backhoe.lessons.lyapunov_pid.exercises.digital import DIGITAL
+from backhoe.lessons.lyapunov_pid.exercises.loop import ACCELERATION, FUNCTION, INTEGRAL
+from backhoe.lessons.lyapunov_pid.exercises.tuned import TUNED
+
+__all__ = ["EXERCISES"]
+
+EXERCISES = (
+    INTEGRAL,
+    ACCELERATION,
+    FUNCTION,
+    GRAVITY_CONSTANT,
+    CERTIFICATE,
+    CLOCK,
+    TUNED,
+    DIGITAL,
+)

@@ -1,0 +1,104 @@
+"""Exercise 3.6: what the clock allows."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from backhoe.arm import dynamics
+from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.lyapunov_pid.exercises.loop import RADIANS
+from backhoe.machine import BACKHOE
+
+
+def clock_limit(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
+    """Largest factor on kd for which damping with torques held for dt is stable."""
+    rates = np.linalg.eigvals(np.linalg.solve(dynamics.mass_matrix(q), np.diag(kd)))
+    return 2 / (dt * rates.real.max())
+
+
+def _cases(rng: np.random.Generator) -> list[tuple]:
+    return [
+        (
+            rng.uniform(BACKHOE.lower, BACKHOE.upper),
+            rng.uniform((5e5, 4e5, 1e5, 2e4), (2e6, 1e6, 8e5, 4e5)),
+            float(rng.uniform(5e-4, 1e-2)),
+        )
+        for _ in range(30)
+    ]
+
+
+def _diagonal(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
+    return (2 * np.diag(dynamics.mass_matrix(q)) / (dt * kd)).min()
+
+
+def _apart(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
+    effective = 1 / np.diag(np.linalg.inv(dynamics.mass_matrix(q)))
+    return (2 * effective / (dt * kd)).min()
+
+
+def _extremes(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
+    return 2 * np.linalg.eigvalsh(dynamics.mass_matrix(q))[0] / (dt * np.max(kd))
+
+
+def _slowest(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
+    rates = np.linalg.eigvals(np.linalg.solve(dynamics.mass_matrix(q), np.diag(kd)))
+    return 2 / (dt * rates.real.min())
+
+
+CLOCK = Exercise(
+    number="3.6",
+    title="what the clock allows",
+    reference=clock_limit,
+    cases=_cases,
+    tested_on="30 random postures, gains and sampling times",
+    hints=(
+        "the eigenvalues of I - dt M^-1 K_d lie between -1 and 1: which one leaves first?",
+        "with s K_d they are 1 - s dt lambda: solve s dt lambda_max(M^-1 K_d) = 2 for s",
+    ),
+    mistakes=(
+        Mistake(
+            "no overshoot",
+            lambda q, kd, dt: clock_limit(q, kd, dt) / 2,
+            "that is where the speed stops in one step; it is stable up to an eigenvalue of -1",
+        ),
+        Mistake(
+            "diagonal of M",
+            _diagonal,
+            "the joints do not move apart: the diagonal of M is too heavy for the bucket alone",
+        ),
+        Mistake(
+            "joint by joint",
+            _apart,
+            "nearly: 1/(M^-1)_jj is each joint's effective inertia, but K_d acts on all at once",
+        ),
+        Mistake(
+            "extremes",
+            _extremes,
+            "that is safe but too strict: the lightest motion does not have the largest damper",
+        ),
+        Mistake(
+            "slowest",
+            _slowest,
+            "that is the last eigenvalue to become unstable, not the first",
+        ),
+        Mistake(
+            "K_d M",
+            lambda q, kd, dt: (
+                2 / (dt * np.linalg.eigvals(dynamics.mass_matrix(q) @ np.diag(kd)).real.max())
+            ),
+            "K_d / M, not K_d times M: heavy joints bear more damping",
+        ),
+        Mistake(
+            "no dt",
+            lambda q, kd, dt: dt * clock_limit(q, kd, dt),
+            "dt is missing: the slower the clock, the less damping it bears",
+        ),
+        Mistake(
+            "upside down",
+            lambda q, kd, dt: 1 / clock_limit(q, kd, dt),
+            "that is how far the gains are used up; asked is the factor that is still allowed",
+        ),
+        Mistake("radians", lambda q, kd, dt: clock_limit(np.radians(q), kd, dt), RADIANS),
+    ),
+)

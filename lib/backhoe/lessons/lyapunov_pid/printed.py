@@ -1,0 +1,318 @@
+"""The thesis's stability analysis where its print is wrong: (3.5) to (3.34), (A.8). Not for use.
+
+Lesson 03 tries each on random states; `backhoe.arm.lyapunov` has what holds. Gains are (4,) or
+symmetric (4, 4); `constants` are those of `lyapunov.constants`, or the printed numbers put in their
+place.
+
+Reference: Mastalli 2013, sections 3.1, 3.2, 3.4.1 and Appendix A.1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.arm.dynamics import coriolis_matrix, gravity_torque, mass_matrix
+from backhoe.arm.kinematics import joint_vector
+from backhoe.arm.lyapunov import Constants, function
+from backhoe.arm.lyapunov.gains import gain_matrix, positive
+from backhoe.machine import BACKHOE, Machine
+
+__all__ = [
+    "alpha_high_317",
+    "alpha_limits_323",
+    "closed_loop_rate_35",
+    "closed_loop_rate_37",
+    "coriolis_bound_a8",
+    "derivative_bound_320",
+    "function_38",
+    "kd_bound_334",
+    "kp_condition_312",
+    "speed_bound_324",
+    "term_310",
+    "weight_322",
+]
+
+
+def closed_loop_rate_35(
+    z: ArrayLike,
+    error: ArrayLike,
+    dq: ArrayLike,
+    q_desired: ArrayLike,
+    kp: ArrayLike,
+    kd: ArrayLike,
+    ki: ArrayLike,
+    *,
+    machine: Machine = BACKHOE,
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Rate of (z, q~, dq) as printed in (3.5), with + K_d dq: the derivative action pushes.
+
+    Args:
+        z, error, dq: state, shape (..., 4) each [rad s, rad, rad/s].
+        q_desired: the goal, shape (..., 4) [rad].
+        kp, kd, ki: gains [N m/rad, N m s/rad, N m/(rad s)].
+
+    Returns:
+        dz/dt [rad], dq~/dt [rad/s], ddq [rad/s^2], shape (..., 4) each.
+
+    Raises:
+        ValueError: the last axis is not 4, a value is not finite, a gain is not positive definite.
+    """
+    z, error, dq = joint_vector(z, "z"), joint_vector(error, "error"), joint_vector(dq, "dq")
+    Kp, Kd, Ki = gain_matrix(kp, "K_p"), gain_matrix(kd, "K_d"), gain_matrix(ki, "K_i")
+    torque = error @ Kp + dq @ Kd + z @ Ki
+    return error, -dq, _acceleration(torque, error, dq, joint_vector(q_desired), machine)
+
+
+def closed_loop_rate_37(
+    w: ArrayLike,
+    error: ArrayLike,
+    dq: ArrayLike,
+    q_desired: ArrayLike,
+    kp: ArrayLike,
+    kd: ArrayLike,
+    ki: ArrayLike,
+    alpha: float,
+    *,
+    machine: Machine = BACKHOE,
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Rate of (w, q~, dq) as printed in (3.7), with + K_d dq.
+
+    Args:
+        w, error, dq: state, shape (..., 4) each [rad, rad, rad/s].
+        q_desired, kp, kd, ki: as for `closed_loop_rate_35`.
+        alpha: number of the analysis [1/s].
+
+    Returns:
+        dw/dt [rad/s], dq~/dt [rad/s], ddq [rad/s^2], shape (..., 4) each.
+
+    Raises:
+        ValueError: as for `closed_loop_rate_35`.
+    """
+    w, error, dq = joint_vector(w, "w"), joint_vector(error, "error"), joint_vector(dq, "dq")
+    Kp, Kd, Ki = gain_matrix(kp, "K_p"), gain_matrix(kd, "K_d"), gain_matrix(ki, "K_i")
+    alpha = positive(alpha, "alpha", "1/s")
+    torque = error @ (Kp - Ki / alpha) + dq @ Kd + w @ Ki / alpha
+    ddq = _acceleration(torque, error, dq, joint_vector(q_desired), machine)
+    return alpha * error - dq, -dq, ddq
+
+
+def function_38(
+    w: ArrayLike,
+    error: ArrayLike,
+    dq: ArrayLike,
+    q_desired: ArrayLike,
+    kp: ArrayLike,
+    kd: ArrayLike,
+    ki: ArrayLike,
+    alpha: float,
+    *,
+    machine: Machine = BACKHOE,
+) -> NDArray:
+    """V with the state vector printed in (3.8), which ends in dq~/dt = -dq; (3.14) has dq.
+
+    Args:
+        w, error, dq, q_desired, kp, kd, ki, alpha: as for `closed_loop_rate_37`.
+
+    Returns:
+        Shape (...) [J].
+
+    Raises:
+        ValueError: as for `closed_loop_rate_35`.
+    """
+    return function(
+        w, error, -joint_vector(dq, "dq"), q_desired, kp, kd, ki, alpha, machine=machine
+    )
+
+
+def term_310(
+    error: ArrayLike,
+    q_desired: ArrayLike,
+    kp: ArrayLike,
+    ki: ArrayLike,
+    alpha: float,
+    *,
+    machine: Machine = BACKHOE,
+) -> NDArray:
+    """(3.10): said to be (3.9), it adds two vectors of torques to an energy.
+
+    Args:
+        error: shape (..., 4) [rad].
+        q_desired, kp, ki, alpha: as for `closed_loop_rate_37`.
+
+    Returns:
+        The sum taken as written, the energy added to every component, shape (..., 4).
+
+    Raises:
+        ValueError: as for `closed_loop_rate_35`.
+    """
+    error, q_desired = joint_vector(error, "error"), joint_vector(q_desired, "q_desired")
+    stiffness = gain_matrix(kp, "K_p") - gain_matrix(ki, "K_i") / positive(alpha, "alpha", "1/s")
+    energy = (error * (error @ stiffness)).sum(axis=-1, keepdims=True) / 2
+    here, goal = gravity_torque(q_desired - error, machine), gravity_torque(q_desired, machine)
+    return energy + here + goal
+
+
+def kp_condition_312(kp: ArrayLike, ki: ArrayLike, constants: Constants) -> bool:
+    """The rewriting of (3.12), lambda_min(K_p) - lambda_max(K_i) > k_g: 1/alpha is lost.
+
+    Args:
+        kp, ki: gains [N m/rad, N m/(rad s)]; the printed difference mixes their units.
+
+    Raises:
+        ValueError: a gain is not positive definite.
+    """
+    return _lowest(kp, "K_p") - _highest(ki, "K_i") > constants.kg
+
+
+def alpha_high_317(kd: ArrayLike, constants: Constants) -> float:
+    """(3.17): alpha < lambda_min(M) lambda_min(K_d) / lambda_max(M)^2. Sufficient for V > 0.
+
+    Args:
+        kd: gain [N m s/rad].
+
+    Returns:
+        The bound [1/s].
+
+    Raises:
+        ValueError: the gain is not positive definite.
+    """
+    return constants.lambda_min * _lowest(kd, "K_d") / constants.lambda_max**2
+
+
+def weight_322(dq: ArrayLike, kd: ArrayLike, alpha: float, constants: Constants) -> NDArray:
+    """W22 as printed in (3.22), with ||dq||: it adds kg m^2/s to kg m^2.
+
+    Args:
+        dq: joint speeds, shape (..., 4) [rad/s].
+        kd: gain [N m s/rad].
+        alpha: number of the analysis [1/s].
+
+    Returns:
+        Shape (...).
+
+    Raises:
+        ValueError: as for `closed_loop_rate_35`.
+    """
+    speed = np.linalg.norm(joint_vector(dq, "dq"), axis=-1)
+    inertia = constants.lambda_max + constants.kc1 * speed
+    return _lowest(kd, "K_d") - positive(alpha, "alpha", "1/s") * inertia
+
+
+def derivative_bound_320(
+    error: ArrayLike,
+    dq: ArrayLike,
+    kp: ArrayLike,
+    kd: ArrayLike,
+    ki: ArrayLike,
+    alpha: float,
+    constants: Constants,
+) -> NDArray:
+    """(3.20) with (3.21) and the printed (3.22): said to be above dV/dt.
+
+    Args:
+        error, dq: state, shape (..., 4) each [rad, rad/s].
+        kp, kd, ki, alpha: as for `closed_loop_rate_37`.
+
+    Returns:
+        Shape (...).
+
+    Raises:
+        ValueError: as for `closed_loop_rate_35`.
+    """
+    W11 = alpha * (_lowest(kp, "K_p") - constants.kg) - _highest(ki, "K_i")
+    error_size = np.linalg.norm(joint_vector(error, "error"), axis=-1)
+    speed = np.linalg.norm(joint_vector(dq, "dq"), axis=-1)
+    return -W11 * error_size**2 - weight_322(dq, kd, alpha, constants) * speed**2
+
+
+def alpha_limits_323(
+    dq: ArrayLike, kp: ArrayLike, ki: ArrayLike, constants: Constants
+) -> tuple[float, NDArray]:
+    """(3.23): the second line with K_p, which (3.22) has as K_d, and with ||dq||.
+
+    Args:
+        dq: joint speeds, shape (..., 4) [rad/s].
+        kp, ki: gains [N m/rad, N m/(rad s)].
+
+    Returns:
+        What alpha must be above [1/s] and, shape (...), below [1/s^2 by its units].
+
+    Raises:
+        ValueError: as for `closed_loop_rate_35`.
+    """
+    speed = np.linalg.norm(joint_vector(dq, "dq"), axis=-1)
+    stiff = _lowest(kp, "K_p")
+    low = _highest(ki, "K_i") / (stiff - constants.kg)
+    return low, stiff / (constants.lambda_max + constants.kc1 * speed)
+
+
+def speed_bound_324(kp: ArrayLike, kd: ArrayLike, ki: ArrayLike, constants: Constants) -> float:
+    """(3.24) = (3.29): said to bound ||dq|| [rad/s]. It bounds ||q~|| [rad].
+
+    Args:
+        kp, kd, ki: gains [N m/rad, N m s/rad, N m/(rad s)].
+
+    Returns:
+        The right side, whose unit is none.
+
+    Raises:
+        ValueError: a gain is not positive definite.
+    """
+    stiff = _lowest(kp, "K_p") - constants.kg
+    return (_lowest(kd, "K_d") * stiff / _highest(ki, "K_i") - constants.lambda_max) / constants.kc1
+
+
+def kd_bound_334(kp: ArrayLike, ki: ArrayLike, constants: Constants) -> float:
+    """Third line of (3.30), which gave the 280007 of (3.34): lambda_min(K_d) must be above this.
+
+    Right as a formula; the constants that the thesis puts in are not those of its arm.
+
+    Args:
+        kp, ki: gains [N m/rad, N m/(rad s)].
+
+    Returns:
+        Bound on lambda_min(K_d) [N m s/rad].
+
+    Raises:
+        ValueError: a gain is not positive definite.
+    """
+    left = _lowest(kp, "K_p") - constants.kg
+    return _highest(ki, "K_i") / left * constants.ratio
+
+
+def coriolis_bound_a8(
+    q: ArrayLike, x: ArrayLike, y: ArrayLike, constants: Constants, *, machine: Machine = BACKHOE
+) -> NDArray:
+    """(A.8) as printed: ||C(q, x) y|| >= k_C1 ||x|| ||y||.
+
+    Args:
+        q: postures, x, y: vectors, shape (..., 4) each.
+
+    Returns:
+        Where the printed relation holds, shape (...).
+
+    Raises:
+        ValueError: as for `closed_loop_rate_35`.
+    """
+    x, y = joint_vector(x, "x"), joint_vector(y, "y")
+    turned = (coriolis_matrix(q, x, machine) @ y[..., None])[..., 0]
+    sizes = np.linalg.norm(x, axis=-1) * np.linalg.norm(y, axis=-1)
+    return np.linalg.norm(turned, axis=-1) >= constants.kc1 * sizes
+
+
+def _acceleration(
+    torque: NDArray, error: NDArray, dq: NDArray, q_desired: NDArray, machine: Machine
+) -> NDArray:
+    q = q_desired - error
+    turned = (coriolis_matrix(q, dq, machine) @ dq[..., None])[..., 0]
+    force = torque + gravity_torque(q_desired, machine) - turned - gravity_torque(q, machine)
+    return np.linalg.solve(mass_matrix(q, machine), force[..., None])[..., 0]
+
+
+def _lowest(gain: ArrayLike, name: str) -> float:
+    return float(np.linalg.eigvalsh(gain_matrix(gain, name))[0])
+
+
+def _highest(gain: ArrayLike, name: str) -> float:
+    return float(np.linalg.eigvalsh(gain_matrix(gain, name))[-1])

@@ -1,0 +1,1 @@
+"""Lesson 06, `06_odometry`: its exercises, figures and printed formulas."""

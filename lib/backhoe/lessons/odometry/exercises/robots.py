@@ -1,0 +1,89 @@
+"""Exercise 6.3: the Jacobian of a robot on three omnidirectional wheels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backhoe.lessons.exercise import Exercise, Mistake
+
+__all__ = ["JACOBIAN"]
+
+_PLACES = np.radians([0.0, 120.0, 240.0])
+
+
+def wheel_matrix(distance: float, places: NDArray = _PLACES) -> NDArray:
+    """Rim speeds of the wheels from v_x, v_y, omega in the body, shape (3, 3)."""
+    return np.stack([-np.sin(places), np.cos(places), np.full(3, distance)], axis=1)
+
+
+def jacobian(radius: float, distance: float) -> NDArray:
+    """J with (v_x, v_y, omega) = J @ wheel speeds, in the body, shape (3, 3) [m, m, 1]."""
+    return radius * np.linalg.inv(wheel_matrix(distance))
+
+
+JACOBIAN = Exercise(
+    number="6.3",
+    title="Three wheels that slide sideways",
+    reference=jacobian,
+    cases=lambda rng: [tuple(rng.uniform((0.03, 0.1), (0.12, 0.4))) for _ in range(20)],
+    mistakes=(
+        Mistake(
+            "not inverted",
+            lambda radius, distance: wheel_matrix(distance) / radius,
+            "that matrix makes wheel speeds from the robot's: the Jacobian is its inverse",
+        ),
+        Mistake(
+            "transposed for inverted",
+            lambda radius, distance: radius * wheel_matrix(distance).T,
+            "the transpose is not the inverse: the rows are no unit vectors",
+        ),
+        Mistake(
+            "transposed",
+            lambda radius, distance: jacobian(radius, distance).T,
+            "transposed: a row of J belongs to v_x, v_y or omega, a column to a wheel",
+        ),
+        Mistake(
+            "radius divided",
+            lambda radius, distance: jacobian(radius, distance) / radius**2,
+            "a larger wheel carries the robot farther at the same speed: multiply by the radius",
+        ),
+        Mistake(
+            "radius missing",
+            lambda radius, distance: jacobian(radius, distance) / radius,
+            "that takes rim speeds in m/s: the wheels turn at Omega rad/s, their rims at r Omega",
+        ),
+        Mistake(
+            "distance missing",
+            lambda radius, distance: jacobian(radius, 1.0),
+            "the robot turns at the same rate whatever its size: omega moves a rim by d omega",
+        ),
+        Mistake(
+            "clockwise",
+            lambda radius, distance: -jacobian(radius, distance),
+            "all signs are turned round: a wheel at angle a drives along (-sin a, cos a)",
+        ),
+        Mistake(
+            "drives outwards",
+            lambda radius, distance: (
+                radius
+                * np.linalg.pinv(
+                    np.stack([np.cos(_PLACES), np.sin(_PLACES), np.full(3, distance)], axis=1)
+                )
+            ),
+            "your wheels drive away from the middle: they drive across that, along (-sin a, cos a)",
+        ),
+        Mistake(
+            "angles in degrees",
+            lambda radius, distance: (
+                radius * np.linalg.inv(wheel_matrix(distance, np.array([0.0, 120.0, 240.0])))
+            ),
+            "the angles 120 and 240 are degrees: np.radians before the sines",
+        ),
+    ),
+    hints=(
+        "First the other way round: which rim speed does each wheel need for v_x, v_y and omega?",
+        "Rows (-sin a, cos a, d) for a = 0, 120, 240 deg make the rims' speeds: invert, times r.",
+    ),
+    tested_on="20 random robots",
+)

@@ -1,0 +1,285 @@
+"""Figures of lesson 06: areas under samples, orders of error, one step, end places, robots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import real_array
+from backhoe.view.plots.style import (
+    BLUE,
+    COLOURS,
+    DARK,
+    GREEN,
+    GREY,
+    KINDS,
+    ORANGE,
+    PALE,
+    RED,
+    figure,
+    styled,
+)
+
+__all__ = ["areas", "end_places", "error_orders", "one_step", "wheeled"]
+
+
+@styled
+def areas(t: ArrayLike, v: ArrayLike, speed: Callable[[NDArray], NDArray]) -> Figure:
+    """What the two sums of a sampled speed add up: rectangles and trapezoids under the curve.
+
+    Args:
+        t: instants of the samples, rising, shape (n,) [s].
+        v: samples, shape (n,) [m/s].
+        speed: the speed that was sampled, a function of an array of times [m/s].
+
+    Raises:
+        ValueError: fewer than two samples, t that does not rise, or shapes that do not fit.
+    """
+    t, v = _checked(t, "t"), _checked(v, "v")
+    if len(t) != len(v) or len(t) < 2 or (np.diff(t) <= 0).any():
+        raise ValueError(f"t must rise and have a sample of v each, two at least, got {len(t)}")
+    fig, (left, right) = figure(6.8, 3.5, columns=2, sharey=True)
+    fine = np.linspace(t[0], t[-1], 400)
+    right_edges = [(a, a, b, b) for a, b in pairwise(t)]
+    rectangles = [(0, one, one, 0) for one in v[1:]]
+    trapezoids = [(0, a, b, 0) for a, b in pairwise(v)]
+    panels = ((left, rectangles, "Euler: rectangles"), (right, trapezoids, "bilinear: trapezoids"))
+    for ax, heights, title in panels:
+        shapes = [Polygon(np.c_[x, y]) for x, y in zip(right_edges, heights, strict=True)]
+        ax.add_collection(PatchCollection(shapes, facecolor="#cfe3f1", edgecolor=BLUE, lw=1.2))
+        ax.plot(fine, speed(fine), color=DARK, label="speed")
+        ax.plot(t, v, "o", color=ORANGE, mec=DARK, ms=6, label="samples")
+        ax.set(title=title, xlabel="time [s]")
+    left.set_ylabel("speed [m/s]")
+    fig.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return fig
+
+
+@styled
+def error_orders(
+    steps: ArrayLike,
+    errors: Mapping[str, ArrayLike],
+    slopes: Sequence[int] = (1, 2),
+    kinds: Mapping[str, str] | None = None,
+    xlabel: str = "time step [s]",
+    ylabel: str = "error at the end [m]",
+) -> Figure:
+    """Errors over step lengths, both on logarithmic axes, with lines of whole slopes beside them.
+
+    Args:
+        steps: lengths of the steps, shape (n,) [s].
+        errors: label -> errors, shape (n,), above 0.
+        slopes: whole orders drawn dashed, each through the largest error nearest to it.
+        kinds: label -> "reference", "truth", "estimate" or "printed"; others get a colour.
+
+    Raises:
+        ValueError: an error that is not above 0, another number of errors than of steps, fewer than
+            two steps, or a kind of no curve.
+    """
+    steps, kinds = _checked(steps, "steps"), dict(kinds or {})
+    if lost := set(kinds) - set(errors):
+        raise ValueError(f"no errors called {sorted(lost)}: there are {sorted(errors)}")
+    if steps.ndim != 1 or len(steps) < 2 or (steps <= 0).any() or not errors:
+        raise ValueError(f"an order needs two steps above 0 and some errors, got {steps}")
+    fig, ax = figure(6.8, 4.2)
+    markers = "osD^vPX*"
+    drawn = {label: _checked(values, label) for label, values in errors.items()}
+    for place, (label, values) in enumerate(drawn.items()):
+        if len(values) != len(steps) or (values <= 0).any():
+            raise ValueError(f"{label!r} needs {len(steps)} errors above 0, got {values}")
+        style = {"color": COLOURS[place % 6], **KINDS.get(kinds.get(label, ""), {})}
+        ax.plot(steps, values, marker=markers[place % 8], ms=5, label=label, **style)
+    for slope in slopes:
+        fits = {name: _slope(steps, values) for name, values in drawn.items()}
+        nearest = min(fits, key=lambda name: abs(fits[name] - slope))
+        guide = 2.2 * drawn[nearest].max() * (steps / steps.max()) ** slope
+        ax.plot(steps, guide, **KINDS["reference"])
+        place = np.argmin(steps)
+        ax.annotate(
+            f"slope {slope}",
+            (steps[place], guide[place]),
+            (-6, 0),
+            textcoords="offset points",
+            color=GREY,
+            ha="right",
+            va="center",
+        )
+    ax.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
+    span = steps.max() / steps.min()
+    ax.set_xlim(steps.min() / span**0.26, steps.max() * span**0.06)
+    marked = np.sort(steps)[:: max(1, len(steps) // 4)]
+    ax.set_xticks(marked, [f"{step:.2g}" for step in marked])
+    ax.set_xticks([], minor=True)
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return fig
+
+
+@styled
+def one_step(
+    pose: ArrayLike,
+    arc: ArrayLike,
+    ends: Mapping[str, ArrayLike],
+    kinds: Mapping[str, str] | None = None,
+) -> Figure:
+    """One long step from above: the true arc, and where each rule says that it ends.
+
+    Args:
+        pose: x, y, psi at the start, shape (3,) [m, m, rad].
+        arc: points or poses of the true way, shape (n, 2) or (n, 3) [m].
+        ends: label -> x, y or pose at the end, shape (2,) or (3,) [m].
+        kinds: label -> "printed" and the like; others get a colour.
+
+    Raises:
+        ValueError: values of another shape or not finite, or a kind of no end.
+    """
+    pose, arc = _checked(pose, "pose"), np.atleast_2d(_checked(arc, "arc"))
+    kinds = dict(kinds or {})
+    if lost := set(kinds) - set(ends):
+        raise ValueError(f"no end called {sorted(lost)}: there are {sorted(ends)}")
+    if pose.shape != (3,) or arc.ndim != 2 or arc.shape[1] not in (2, 3):
+        raise ValueError(f"pose must be (3,) and arc (n, 2 or 3), got {pose.shape}, {arc.shape}")
+    fig, ax = figure(6.8, 4.2)
+    ax.plot(*arc[:, :2].T, **KINDS["truth"], label="true arc", zorder=5)
+    colours = iter(COLOURS * 3)
+    for label, end in ends.items():
+        place = _checked(end, label)
+        if place.shape not in ((2,), (3,)):
+            raise ValueError(f"the end {label!r} must be x, y or a pose, got shape {place.shape}")
+        style = KINDS.get(kinds.get(label, ""), {"color": next(colours)})
+        ax.plot(*np.array([pose[:2], place[:2]]).T, **style, label=label)
+        ax.plot(*place[:2], "o", color=style["color"], mec="white", ms=9, zorder=6)
+    _vehicle(ax, pose, 0.08 * np.ptp(arc[:, :2], axis=0).max())
+    ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
+    ax.margins(0.1)
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return fig
+
+
+@styled
+def end_places(panels: Mapping[str, Mapping[str, ArrayLike]]) -> Figure:
+    """Where closed squares end, seen from where they began; crosses are the centres of the groups.
+
+    Args:
+        panels: title -> {label of a group: x, y at the end less the start, shape (n, 2) [m]}.
+
+    Raises:
+        ValueError: no panel, or places that are not of shape (n, 2).
+    """
+    if not panels:
+        raise ValueError("end_places needs at least one panel: title -> {label: places}")
+    fig, axes = figure(6.8, 3.6, columns=len(panels), squeeze=False, sharex=True, sharey=True)
+    for ax, (title, groups) in zip(axes[0], panels.items(), strict=True):
+        for colour, marker, (label, places) in zip(
+            COLOURS * 3, "osD^vP" * 3, groups.items(), strict=False
+        ):
+            places = _checked(places, label)
+            if places.ndim != 2 or places.shape[1] != 2:
+                raise ValueError(f"the places {label!r} must be (n, 2), got {places.shape}")
+            ax.plot(*places.T, marker, color=colour, ms=5, alpha=0.7, label=label)
+            ax.plot(*places.mean(axis=0), "+", color=DARK, ms=14, mew=2, zorder=6)
+        ax.plot(0, 0, "*", color=GREY, ms=12, label="start")
+        ax.set(title=title, xlabel="$x$ [m]", aspect="equal")
+        ax.margins(0.15)
+    axes[0, 0].set_ylabel("$y$ [m]")
+    handles = {h.get_label(): h for h in axes[0, 0].lines if not h.get_label().startswith("_")}
+    fig.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
+    return fig
+
+
+@styled
+def wheeled(
+    robots: Mapping[str, Sequence[tuple[float, float, float, float]]] | None = None,
+) -> Figure:
+    """Robots from above: where their wheels sit, which way they drive, which way they let it slide.
+
+    Args:
+        robots: title -> for each wheel x, y [m], the direction in which it drives the robot when it
+            turns forwards, and the direction in which its rollers let it slide [rad]; NaN for a
+            wheel without rollers. Default two sides, three omnidirectional and four mecanum
+            wheels.
+
+    Raises:
+        ValueError: no robot, or a wheel that is not four numbers.
+    """
+    robots = _robots() if robots is None else robots
+    if not robots:
+        raise ValueError("wheeled needs at least one robot: title -> wheels (x, y, drive, free)")
+    fig, axes = figure(6.8, 3.0, columns=len(robots), squeeze=False, sharey=True)
+    farthest = 0.0
+    for ax, (title, wheels) in zip(axes[0], robots.items(), strict=True):
+        wheels = np.array(real_array(wheels, f"the wheels of {title!r} must be numbers"))
+        if wheels.ndim != 2 or wheels.shape[1] != 4 or not np.isfinite(wheels[:, :3]).all():
+            raise ValueError(f"the wheels of {title!r} must be (n, 4): x, y, drive, free")
+        farthest = max(farthest, _robot(ax, wheels))
+        ax.set(title=title, xlabel="$x$ forward [m]", aspect="equal")
+    span = (-1.65 * farthest, 1.65 * farthest)
+    for ax in axes[0]:
+        ax.set(xlim=span, ylim=span)
+    axes[0, 0].set_ylabel("$y$ to the left [m]")
+    handles = {h.get_label(): h for ax in axes[0] for h in ax.lines if h.get_label()[0] != "_"}
+    fig.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
+    return fig
+
+
+def _checked(values: ArrayLike, name: str) -> NDArray:
+    values = real_array(values, f"{name} must be numbers")
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} must be finite numbers")
+    return values
+
+
+def _slope(steps: NDArray, errors: NDArray) -> float:
+    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+
+
+def _vehicle(ax: Axes, pose: NDArray, size: float) -> None:
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    corners = size * np.array([(-1.0, -0.7), (-1.0, 0.7), (0.2, 0.7), (0.9, 0.0), (0.2, -0.7)])
+    outline = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
+    ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=DARK, zorder=4))
+
+
+def _robots() -> dict[str, list[tuple[float, float, float, float]]]:
+    ring = np.radians([0, 120, 240])
+    corners = ((0.3, 0.25, 45), (0.3, -0.25, 135), (-0.3, 0.25, 135), (-0.3, -0.25, 45))
+    return {
+        "two sides": [(0.0, y, 0.0, np.nan) for y in (0.3, -0.3)],
+        "three, omnidirectional": [
+            (0.3 * np.cos(a), 0.3 * np.sin(a), a + np.pi / 2, a) for a in ring
+        ],
+        "four, mecanum": [(x, y, 0.0, np.radians(free)) for x, y, free in corners],
+    }
+
+
+def _robot(ax: Axes, wheels: NDArray) -> float:
+    """Draw it; how far its farthest wheel is from the middle [m]."""
+    reach = float(np.hypot(*wheels[:, :2].T).max())
+    ax.add_patch(Circle((0, 0), 0.72 * reach, facecolor="#f1f1f1", edgecolor=GREY, zorder=1))
+    for x, y, drive, free in wheels:
+        along = np.array([np.cos(drive), np.sin(drive)])
+        across = np.array([-along[1], along[0]])
+        corners = np.array([(-1, -0.4), (1, -0.4), (1, 0.4), (-1, 0.4)]) * 0.2 * reach
+        outline = corners @ np.array([along, across]) + (x, y)
+        ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=DARK, zorder=2))
+        _arrow(ax, (x, y), 0.62 * reach * along, BLUE, "drives")
+        if np.isfinite(free):
+            roll = np.array([np.cos(free), np.sin(free)])
+            for sign in (1, -1):
+                _arrow(ax, (x, y), 0.4 * sign * reach * roll, GREEN, "slides freely")
+    _arrow(ax, (0, 0), (0.6 * reach, 0), RED, "ahead")
+    return reach
+
+
+def _arrow(ax: Axes, start: ArrayLike, way: ArrayLike, colour: str, label: str) -> None:
+    end = np.add(start, way)
+    style = {"arrowstyle": "-|>", "color": colour, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", end, start, arrowprops=style, zorder=5)
+    ax.plot(*np.array([start, end]).T, lw=0, label="_")
+    ax.plot([], [], color=colour, lw=2.0, label=label)

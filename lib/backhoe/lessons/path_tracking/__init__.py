@@ -1,0 +1,1 @@
+"""Lesson 05, `05_path_tracking`: its exercises, figures and printed formulas."""

@@ -1,0 +1,98 @@
+"""Exercise 5.5: where a trajectory wants the vehicle to be at the end of this sample."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.lessons.exercise import Exercise, Mistake
+
+__all__ = ["GOAL", "goal"]
+
+
+def goal(time: float, dt: float, points: ArrayLike, times: ArrayLike) -> NDArray:
+    """Place on the trajectory at time + dt, shape (2,) [m]; its ends hold before and after it."""
+    points, then = np.asarray(points), time + dt
+    return np.array([np.interp(then, times, points[:, 0]), np.interp(then, times, points[:, 1])])
+
+
+def _cases(rng: np.random.Generator) -> list[tuple]:
+    cases = []
+    for _ in range(50):
+        points = rng.uniform(-3, 3, (6, 2))
+        times = np.cumsum(rng.uniform(0.5, 3.0, 6))
+        time = rng.uniform(times[0] - 1.0, times[-1] + 1.0)
+        cases.append((time, rng.uniform(0.05, 0.3), points, times))
+    return cases
+
+
+def _following(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
+    return points[min(np.searchsorted(times, time + dt), len(points) - 1)]
+
+
+def _passed(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
+    return points[max(np.searchsorted(times, time + dt, "right") - 1, 0)]
+
+
+def _nearest(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
+    return points[np.abs(times - time - dt).argmin()]
+
+
+def _evenly(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
+    return goal(time, dt, points, np.linspace(times[0], times[-1], len(times)))
+
+
+def _beyond(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
+    place = np.clip(np.searchsorted(times, time + dt, "right") - 1, 0, len(times) - 2)
+    share = (time + dt - times[place]) / (times[place + 1] - times[place])
+    return points[place] + share * (points[place + 1] - points[place])
+
+
+GOAL = Exercise(
+    number="5.5",
+    title="Where to be at the end of this sample",
+    reference=goal,
+    cases=_cases,
+    mistakes=(
+        Mistake(
+            "now",
+            lambda time, dt, points, times: goal(time, 0.0, points, times),
+            "that is where to be now, sample n: the command works until n + 1, so aim at time + dt",
+        ),
+        Mistake(
+            "a sample ago",
+            lambda time, dt, points, times: goal(time, -dt, points, times),
+            "that is where to have been a sample ago: aim at time + dt",
+        ),
+        Mistake(
+            "the next way-point",
+            _following,
+            "that is the next way-point: the goal moves along the line between two of them",
+        ),
+        Mistake(
+            "the last way-point",
+            _passed,
+            "that is the way-point just passed: the goal moves along the line between two of them",
+        ),
+        Mistake(
+            "the nearest way-point",
+            _nearest,
+            "that is the way-point nearest in time: the goal moves along the line between two",
+        ),
+        Mistake(
+            "evenly spaced",
+            _evenly,
+            "you treat the times as evenly spaced: each segment has its own duration",
+        ),
+        Mistake(
+            "beyond the ends",
+            _beyond,
+            "right within the trajectory, but it runs on beyond its ends: wait at the ends instead",
+        ),
+    ),
+    hints=(
+        "Between t_n and t_{n+1} the goal has gone the share (t - t_n)/(t_{n+1} - t_n).",
+        "np.interp does it for one coordinate, and holds the ends; call it for x and for y.",
+    ),
+    tested_on="50 random trajectories, some before their start or after their end",
+)

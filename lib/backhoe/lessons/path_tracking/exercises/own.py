@@ -1,0 +1,173 @@
+"""Exercise 5.8: a tracker of one's own, judged by how it drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.vehicle import tracking
+
+__all__ = ["OWN", "own_tracker"]
+
+NEAR_ENOUGH = 0.15
+"""Largest mean distance to the goal that counts as tracking [m]."""
+
+Tracker = Callable[[NDArray, NDArray, tracking.Goal, float], ArrayLike]
+
+
+def own_tracker() -> Tracker:
+    """Speed in proportion to how far ahead the goal is, turn to its bearing, cut when far aside."""
+
+    def tracker(
+        pose: ArrayLike, twist: ArrayLike, goal: tracking.Goal, dt: float
+    ) -> tuple[float, float]:
+        dx, dy = goal.position - pose[:2]
+        angle = (np.arctan2(dy, dx) - pose[2] + np.pi) % (2 * np.pi) - np.pi
+        distance = np.hypot(dx, dy)
+        return 4.0 * distance * max(np.cos(angle), 0.0), 4.0 * angle
+
+    return tracker
+
+
+_X = np.linspace(0.0, 6.0, 61)
+_PATHS = {
+    "bends": tracking.from_points(np.column_stack((_X, np.sin(_X)))).with_times(0.4),
+    "circle": tracking.circle(1.0, centre=(0.0, 1.0), start_angle=-np.pi / 2).with_times(0.4),
+}
+_PERIOD = 0.05
+
+
+def _drive(tracker: Tracker, name: str) -> tracking.Follow:
+    plant = tracking.IdealPlant(_PERIOD)
+    return tracking.follow(tracker, plant, _PATHS[name], mode="trajectory", name="my_tracker()")
+
+
+def distance_to_goal(tracker: Tracker, name: str) -> float:
+    """Mean distance to the goal over a run on the ideal plant, the first 3 s left out [m]."""
+    run = _drive(tracker, name)
+    return float(np.mean(run.goal_distance[run.time > 3.0]))
+
+
+def _worst(tracker: Tracker) -> float:
+    return max(distance_to_goal(tracker, name) for name in _PATHS)
+
+
+def _altered(tracker: Tracker, after: Callable[[NDArray], NDArray]) -> Tracker:
+    def altered(pose: NDArray, twist: NDArray, goal: tracking.Goal, dt: float) -> NDArray:
+        return after(np.array(tracker(pose, twist, goal, dt), dtype=float))
+
+    return altered
+
+
+_REMEDIES = (
+    (
+        lambda command: command * (1.0, -1.0),
+        "it turns away from the goal: with the other sign of omega it would follow",
+    ),
+    (
+        lambda command: command * (1.0, np.pi / 180),
+        "its turns are far too wild: is omega in degrees per second?",
+    ),
+    (
+        lambda command: command * (-1.0, 1.0),
+        "it drives away from the goal: with the other sign of v it would follow",
+    ),
+    (
+        lambda command: command[::-1],
+        "it returns omega first: the order is v, omega",
+    ),
+)
+
+
+def judged(answer: Tracker, reference: Tracker) -> bool | str:
+    """Drive the two trajectories with the tracker and say how it went."""
+    if not callable(answer):
+        return "my_tracker() must return a function of (pose, twist, goal, dt)"
+    distances = {name: distance_to_goal(answer, name) for name in _PATHS}
+    if max(distances.values()) <= NEAR_ENOUGH:
+        return True
+    for remedy, diagnosis in _REMEDIES:
+        if _worst(_altered(answer, remedy)) <= NEAR_ENOUGH:
+            return diagnosis
+    if distances["bends"] <= NEAR_ENOUGH < distances["circle"]:
+        return (
+            "it follows bends but not a circle, where the heading passes pi: wrap the angle to "
+            "the goal"
+        )
+    return _what_it_does(answer, distances)
+
+
+def _what_it_does(answer: Tracker, distances: dict[str, float]) -> str:
+    run = _drive(answer, "bends")
+    if np.ptp(run.pose[:, :2], axis=0).max() < 0.05:
+        return "it does not drive at all: v stays at zero"
+    if run.metrics.d_mean <= 0.1:
+        return "it keeps to the line but not to the time: let v grow with the distance to the goal"
+    far = max(distances.values())
+    return f"it is {far:.2g} m from its goal on average: {NEAR_ENOUGH} m or less is asked"
+
+
+def _mistaken(after: Callable[[NDArray], NDArray]) -> Callable[[], Tracker]:
+    return lambda: _altered(own_tracker(), after)
+
+
+def _unwrapped() -> Tracker:
+    def tracker(pose: NDArray, twist: NDArray, goal: tracking.Goal, dt: float) -> tuple:
+        dx, dy = goal.position - pose[:2]
+        angle = np.arctan2(dy, dx) - pose[2]
+        return 4.0 * np.hypot(dx, dy) * max(np.cos(angle), 0.0), 4.0 * angle
+
+    return tracker
+
+
+OWN = Exercise(
+    number="5.8",
+    title="A tracker of your own",
+    reference=own_tracker,
+    cases=lambda rng: [()],
+    compare=judged,
+    mistakes=(
+        Mistake(
+            "away",
+            _mistaken(lambda command: command * (1.0, -1.0)),
+            "it turns away from the goal: with the other sign of omega it would follow",
+        ),
+        Mistake(
+            "degrees",
+            _mistaken(lambda command: command * (1.0, 180 / np.pi)),
+            "its turns are far too wild: is omega in degrees per second?",
+        ),
+        Mistake(
+            "backwards",
+            _mistaken(lambda command: command * (-1.0, 1.0)),
+            "it drives away from the goal: with the other sign of v it would follow",
+        ),
+        Mistake(
+            "order",
+            _mistaken(lambda command: command[::-1]),
+            "it returns omega first: the order is v, omega",
+        ),
+        Mistake(
+            "not wrapped",
+            _unwrapped,
+            "it follows bends but not a circle, where the heading passes pi: wrap the angle to "
+            "the goal",
+        ),
+        Mistake(
+            "still",
+            lambda: lambda pose, twist, goal, dt: (0.0, 0.0),
+            "it does not drive at all: v stays at zero",
+        ),
+    ),
+    hints=(
+        "The bearing of the goal from the vehicle is atan2(dy, dx) - theta, wrapped; the distance "
+        "is hypot(dx, dy).",
+        "Four lines do: v grows with the distance and with the cosine of the bearing, omega with "
+        "the bearing.",
+    ),
+    tested_on="bends and a circle, as trajectories on the ideal plant",
+    timeout=20.0,
+)

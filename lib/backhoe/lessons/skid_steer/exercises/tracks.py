@@ -1,0 +1,80 @@
+"""Exercise 4.8: from a force and a moment to the forces of both tracks."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backhoe.lessons.exercise import Exercise, Mistake
+
+__all__ = ["TRACTIONS"]
+
+
+def tractions(force: float, moment: float, gauge: float) -> NDArray:
+    """Forces of the left and right track that add up to a force and a yaw moment [N]."""
+    difference = moment / gauge
+    return np.array([force / 2 - difference, force / 2 + difference])
+
+
+def _cases(rng: np.random.Generator) -> list[tuple]:
+    return [tuple(rng.uniform((-9e4, -8e4, 1.2), (9e4, 8e4, 3.0))) for _ in range(40)]
+
+
+def _mixed(force: float, difference: float) -> NDArray:
+    return np.array([force / 2 - difference, force / 2 + difference])
+
+
+TRACTIONS = Exercise(
+    number="4.8",
+    title="A force and a moment for two tracks",
+    reference=tractions,
+    cases=_cases,
+    mistakes=(
+        Mistake(
+            "both sides plus",
+            lambda force, moment, gauge: np.full(2, force / 2 + moment / gauge),
+            "both tracks get the same, u_l = u_v + u_w: the left one takes the minus",
+        ),
+        Mistake(
+            "sides swapped",
+            lambda force, moment, gauge: tractions(force, moment, gauge)[::-1],
+            "it would turn to the right: a positive moment pushes more on the right",
+        ),
+        Mistake(
+            "lever missing",
+            lambda force, moment, gauge: _mixed(force, moment),
+            "that is (3.35) with a moment for a force: the lever of a track is missing",
+        ),
+        Mistake(
+            "lever, but for one side",
+            lambda force, moment, gauge: _mixed(force, 2 * moment / gauge),
+            "the lever is right, but both sides make the moment: each has half of it",
+        ),
+        Mistake(
+            "halved twice",
+            lambda force, moment, gauge: _mixed(force, moment / (2 * gauge)),
+            "half of the moment is missing: each side makes half of it, at a lever of half the "
+            "gauge",
+        ),
+        Mistake(
+            "multiplied by the lever",
+            lambda force, moment, gauge: _mixed(force, moment * gauge / 2),
+            "a longer lever needs less force: divide the moment by it",
+        ),
+        Mistake(
+            "force on each track",
+            lambda force, moment, gauge: _mixed(2 * force, moment / gauge),
+            "each track gets the whole force, so together they push twice as hard",
+        ),
+        Mistake(
+            "both whole",
+            lambda force, moment, gauge: 2 * tractions(force, moment, gauge),
+            "both sums come out twice as large: two tracks share the force and the moment",
+        ),
+    ),
+    hints=(
+        "Two unknowns, two equations: the sum is the force, the difference times l/2 the moment.",
+        "left + right = force and (right - left) gauge / 2 = moment: solve for left and right.",
+    ),
+    tested_on="40 random forces, moments and gauges",
+)

@@ -1,0 +1,193 @@
+"""First answers: a value, a conversion and a yes or no, from the machine's numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.machine import BACKHOE
+
+__all__ = ["READING", "arm_mass", "random_postures", "to_radians", "within_limits"]
+
+
+def arm_mass() -> float:
+    """Mass of boom, stick and bucket together [kg]."""
+    return sum(link.mass for link in BACKHOE.links)
+
+
+def to_radians(angles_deg: ArrayLike) -> NDArray:
+    """Angles in degrees, any shape, as radians, same shape."""
+    return np.asarray(angles_deg) * np.pi / 180
+
+
+def within_limits(q: ArrayLike) -> bool:
+    """Whether every joint of q, shape (4,) [rad], is between its limits or on one."""
+    return bool(np.all((q >= BACKHOE.lower) & (q <= BACKHOE.upper)))
+
+
+def random_postures(rng: np.random.Generator, *shape: int) -> NDArray:
+    """Postures within the joint limits, shape (*shape, 4) [rad]."""
+    return rng.uniform(BACKHOE.lower, BACKHOE.upper, (*shape, 4))
+
+
+def _limit_cases(rng: np.random.Generator) -> list[tuple[NDArray]]:
+    inside = list(random_postures(rng, 15))
+    outside = []
+    for joint in range(4):
+        above, below = random_postures(rng, 2)
+        above[joint] = BACKHOE.upper[joint] + 0.2
+        below[joint] = BACKHOE.lower[joint] - 0.2
+        outside += [above, below]
+    edges = [BACKHOE.lower.copy(), BACKHOE.upper.copy(), BACKHOE.upper + 0.1]
+    return [(q,) for q in (*inside, *outside, *edges)]
+
+
+READING = (
+    Exercise(
+        number="0.1",
+        title="The mass of the arm",
+        reference=arm_mass,
+        rtol=1e-4,
+        tested_on="boom, stick and bucket",
+        mistakes=(
+            Mistake(
+                "with the house",
+                lambda: arm_mass() + BACKHOE.swing.mass,
+                "that counts the house as well: the arm is boom, stick and bucket",
+            ),
+            Mistake(
+                "whole machine",
+                BACKHOE.mass,
+                "that is the whole machine: the arm is boom, stick and bucket",
+            ),
+            Mistake(
+                "without the bucket",
+                BACKHOE.boom.mass + BACKHOE.stick.mass,
+                "the bucket is missing: it is the arm's last link",
+            ),
+            Mistake(
+                "boom alone",
+                BACKHOE.boom.mass,
+                "that is the boom alone: stick and bucket are missing",
+            ),
+            Mistake(
+                "tonnes",
+                lambda: arm_mass() / 1000,
+                "that is in tonnes: the course counts mass in kilograms",
+            ),
+            Mistake(
+                "weight",
+                lambda: arm_mass() * BACKHOE.gravity,
+                "that is the weight in newtons: leave gravity out, the mass is asked for",
+            ),
+        ),
+        hints=(
+            "BACKHOE.boom.mass is the mass of the boom; the stick and the bucket have one too",
+            "add the three, or write sum(link.mass for link in BACKHOE.links)",
+        ),
+    ),
+    Exercise(
+        number="0.2",
+        title="Degrees to radians",
+        reference=to_radians,
+        cases=lambda rng: [(90.0,), *((rng.uniform(-180, 180, 4),) for _ in range(20))],
+        tested_on="one angle and 20 random postures",
+        mistakes=(
+            Mistake(
+                "unchanged",
+                lambda angles_deg: angles_deg,
+                "these are still degrees: half a turn, 180 degrees, should become pi",
+            ),
+            Mistake(
+                "the other way",
+                lambda angles_deg: np.degrees(angles_deg),
+                "that is the other way round, from radians to degrees",
+            ),
+            Mistake(
+                "full turn for half",
+                lambda angles_deg: angles_deg * np.pi / 360,
+                "that is half of it: 2 pi is the full turn of 360 degrees, so pi goes with 180",
+            ),
+            Mistake(
+                "short pi",
+                lambda angles_deg: angles_deg * 3.14 / 180,
+                "your pi is cut off at 3.14: np.pi has all its digits",
+            ),
+            Mistake(
+                "wrapped",
+                lambda angles_deg: np.radians(angles_deg) % (2 * np.pi),
+                "negative angles have become positive: keep their sign, no turn must be added",
+            ),
+            Mistake(
+                "without sign",
+                lambda angles_deg: np.abs(np.radians(angles_deg)),
+                "the sign is lost: an angle to the right stays negative",
+            ),
+        ),
+        hints=(
+            "half a turn is 180 degrees, and it is pi radians",
+            "multiply by np.pi / 180; it works for a whole array at once",
+        ),
+    ),
+    Exercise(
+        number="0.3",
+        title="Within the joint limits?",
+        reference=within_limits,
+        cases=_limit_cases,
+        tested_on="26 postures inside, outside and on the limits",
+        mistakes=(
+            Mistake(
+                "upper only",
+                lambda q: np.all(q <= BACKHOE.upper),
+                "the lower limits are not looked at",
+            ),
+            Mistake(
+                "lower only",
+                lambda q: np.all(q >= BACKHOE.lower),
+                "the upper limits are not looked at",
+            ),
+            Mistake(
+                "any",
+                lambda q: np.any((q >= BACKHOE.lower) & (q <= BACKHOE.upper)),
+                "one joint within its limits is not enough: all four must be, so np.all",
+            ),
+            Mistake(
+                "degrees",
+                lambda q: np.all(
+                    (q >= np.degrees(BACKHOE.lower)) & (q <= np.degrees(BACKHOE.upper))
+                ),
+                "it says True to every posture; degrees in it? q and the limits are in radians",
+            ),
+            Mistake(
+                "never",
+                lambda q: False,
+                "it says False to every posture: does a comparison point the wrong way?",
+            ),
+            Mistake(
+                "both sides alike",
+                lambda q: np.all(np.abs(q) <= BACKHOE.upper),
+                "the two limits of a joint differ: -50 and 60 degrees for the boom, for instance",
+            ),
+            Mistake(
+                "strict",
+                lambda q: np.all((q > BACKHOE.lower) & (q < BACKHOE.upper)),
+                "a joint may stand exactly on its limit: use <= and >=",
+            ),
+            Mistake(
+                "one for each joint",
+                lambda q: (q >= BACKHOE.lower) & (q <= BACKHOE.upper),
+                "that is an answer for each joint: one for the whole arm is asked, so np.all",
+            ),
+            Mistake(
+                "outside",
+                lambda q: not within_limits(q),
+                "it is the wrong way round: True means that the posture is allowed",
+            ),
+        ),
+        hints=(
+            "BACKHOE.lower and BACKHOE.upper hold four limits: q <= BACKHOE.upper compares all",
+            "join the two comparisons with &, each in brackets, and ask np.all of the result",
+        ),
+    ),
+)

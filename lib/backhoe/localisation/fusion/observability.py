@@ -1,0 +1,97 @@
+"""Which directions of the state no measurement shows, along a drive.
+
+Linearised along a drive without noise, with the slip among the unknowns, and the gyro's bias if
+there is a gyro.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import real_array
+from backhoe.localisation import kalman
+from backhoe.localisation.drives import truth
+from backhoe.localisation.fusion.model import BIAS, NAMES, PSI, TURNED, TURNING, Model
+
+__all__ = ["SEEN", "Hidden", "hidden"]
+
+SEEN = ("rate", "yaw", "position", "landmark")
+_STEP = 1.0
+
+
+class Hidden(NamedTuple):
+    """`unknown` names of n states; `directions` (n, r) of them that stay hidden, orthonormal
+    columns; `names` of the states that these move."""
+
+    unknown: tuple[str, ...]
+    directions: NDArray
+    names: tuple[str, ...]
+
+
+def hidden(
+    name: str,
+    seen: Sequence[str],
+    *,
+    turning: float = 1.0,
+    landmark: ArrayLike = (3.0, 20.0),
+) -> Hidden:
+    """What cannot be found out on a drive, however long one listens.
+
+    Args:
+        name: one of drives.SCENARIOS.
+        seen: what is measured besides the encoders, out of SEEN: the gyro's "rate", the absolute
+            "yaw", a fix of the "position", range and bearing to a "landmark".
+        turning: true share of the ideal turn rate.
+        landmark: its x, y, shape (2,) [m].
+
+    Returns:
+        The unknowns and the directions of them that no measurement shows; none if r = 0.
+
+    Raises:
+        ValueError: nothing is seen, or something that is not in SEEN; an unknown scenario.
+    """
+    if isinstance(seen, str) or not seen or any(item not in SEEN for item in seen):
+        raise ValueError(f"seen must be a sequence of names out of {SEEN}, got {seen!r}")
+    point = real_array(landmark, "landmark must be x, y [m]")
+    model, pose = Model(), truth(name, 1 / _STEP).pose
+    keep = [i for i in range(TURNED) if i != BIAS or "rate" in seen]
+    state = np.zeros(6)
+    state[:3], state[TURNING] = pose[0], turning
+    F, H = [], []
+    for change in np.diff(pose, axis=0):
+        sprockets = _sprockets(model, change, turning)
+        step = model.F(state, sprockets, _STEP)
+        state = model.f(state, sprockets, _STEP)
+        F.append(step[np.ix_(keep, keep)])
+        H.append(_sensors(model, state, step, point, seen)[:, keep])
+    directions = kalman.unobservable(np.array(F[1:]), np.array(H))
+    unknown = tuple(NAMES[i] for i in keep)
+    moved = np.abs(directions).max(axis=1, initial=0.0) > 1e-6
+    names = tuple(name for name, moves in zip(unknown, moved, strict=True) if moves)
+    return Hidden(unknown, directions, names)
+
+
+def _sprockets(model: Model, change: NDArray, turning: float) -> NDArray:
+    """Turns of the sprockets that change the pose like that, shape (2,) [rad]."""
+    way = np.hypot(change[0], change[1])
+    apart = model.gauge / 2 * change[2] / turning
+    return np.array([way - apart, way + apart]) / model.radius
+
+
+def _sensors(
+    model: Model, state: NDArray, step: NDArray, point: NDArray, seen: Sequence[str]
+) -> NDArray:
+    """Rows of H at the state after a step, one sensor under another."""
+    turn = model.H_gyro(_STEP)
+    turn[0, TURNED], turn[0, TURNING] = 0.0, step[PSI, TURNING]
+    rows = {
+        "rate": turn,
+        "yaw": model.H_YAW,
+        "position": model.H_POSITION,
+        "landmark": model.H_landmark(state, point),
+    }
+    return np.vstack([rows[item] for item in seen])

@@ -1,0 +1,27 @@
+"""The numbers of the machine, each in one place; `provenance` says where they come from."""
+
+from backhoe.machine.description import (
+    BACKHOE,
+    JOINTS,
+    Base,
+    Joint,
+    Link,
+    Machine,
+    Shell,
+    Swing,
+    Tracks,
+    replace,
+)
+
+__all__ = [
+    "BACKHOE",
+    "JOINTS",
+    "Base",
+    "Joint",
+    "Link",
+    "Machine",
+    "Shell",
+    "Swing",
+    "Tracks",
+    "replace",
+]

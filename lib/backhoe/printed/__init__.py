@@ -1,1 +1,0 @@
-"""Formulas as the sources print them, mistakes included: for study, never for the machine."""

@@ -1,0 +1,23 @@
+"""The simulated machine: PyBullet where it is installed, the exact equations where it is not.
+
+    with simulation.open_world() as world:
+        world.step(torque)
+
+`protocol.Simulation` lists all that a world offers. `open_rover` opens a robot on four wheels.
+"""
+
+from backhoe.simulation.backends import BACKENDS, open_rover, open_world
+from backhoe.simulation.protocol import Simulation
+from backhoe.simulation.scene import FLAT, LOADING, Scene
+from backhoe.simulation.tracked_plant import TrackedPlant
+
+__all__ = [
+    "BACKENDS",
+    "FLAT",
+    "LOADING",
+    "Scene",
+    "Simulation",
+    "TrackedPlant",
+    "open_rover",
+    "open_world",
+]

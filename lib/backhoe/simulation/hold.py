@@ -1,0 +1,36 @@
+"""The torque that holds the arm still while the machine travels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.arm import dynamics, pid
+from backhoe.arm.kinematics import joint_vector
+from backhoe.machine import BACKHOE, Machine
+from backhoe.vehicle.travel.posture import POSTURE
+
+__all__ = ["Hold"]
+
+
+class Hold:
+    """The torque that keeps the arm where it is: the posture's gravity torque and a PD.
+
+    Args:
+        q: joint angles to keep, shape (4,) [rad].
+        machine: whose arm.
+
+    Raises:
+        ValueError: q is not 4 finite angles.
+    """
+
+    def __init__(self, q: ArrayLike = POSTURE, machine: Machine = BACKHOE) -> None:
+        self.q = joint_vector(q).copy()
+        if self.q.shape != (4,):
+            raise ValueError(f"q must be 4 joint angles, got shape {self.q.shape}")
+        self._kp, self._kd = np.array(pid.ARM_GAINS.kp), np.array(pid.ARM_GAINS.kd)
+        self._start = dynamics.gravity_torque(self.q, machine) + self._kp * self.q
+
+    def __call__(self, q: NDArray, dq: NDArray) -> NDArray:
+        """Joint torques, shape (4,) [N m], for angles and speeds of shape (4,) [rad, rad/s]."""
+        return self._start - self._kp * q - self._kd * dq

@@ -1,0 +1,407 @@
+"""The tick that all backends share: check, push, integrate, dig.
+
+A backend derives from `Loop` and brings the integration: `_integrate`, `_place` and, when the load
+changes, `_carry`. Forces come from `forces`, the soil's answer at 100 Hz from `soil.Ground`.
+"""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.arm.kinematics import joint_vector
+from backhoe.basics.inputs import real_array
+from backhoe.machine import BACKHOE, Machine
+from backhoe.simulation import forces, tracks
+from backhoe.simulation.scene import LOADING, Scene, untouched_ground
+
+STEP = 0.001
+"""Length of one step [s]."""
+
+TICKS_PER_DIG = 10
+"""Steps between two visits to the soil: 100 Hz."""
+
+STANDING = (0.0, 0.0)
+"""Belt speeds of a machine that stands [m/s]."""
+
+_STILL = np.zeros(2)
+_TRACTION = "traction must be 2 forces (left, right) [N]"
+
+RUNAWAY = 50.0
+"""A rate far beyond what any machine of this kind survives [rad/s or m/s]."""
+
+REST = np.radians([-90.0, 30.0, -30.0, 0.0])
+"""Joint angles at the start [rad]: arm forward, folded, clear of the ground."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """State of a simulation: pass it to `restore` of the simulation that made it."""
+
+    owner: object
+    ticks: int
+    arrays: tuple[NDArray, ...]
+    payload: float
+    in_soil: bool
+    ground: object
+    engine: object
+
+
+class Loop:
+    """A simulated machine without the integration of its motion; see `protocol.Simulation`.
+
+    Args:
+        machine: its numbers.
+        scene: what stands around it.
+        seed: of the bumps on the heaps.
+        q: joint angles at the start, shape (4,) [rad]; default `REST`.
+        soil: whether the ground can be dug; without it `ground` is None.
+        base: "tracks" for a machine on its tracks' friction, "fixed" for a base that cannot move.
+        friction: whether the joints have the machine's viscous and Coulomb friction.
+
+    Raises:
+        TypeError: machine or scene is something else.
+        ValueError: q is not 4 finite angles, seed is not a whole number of 0 or more, or base is
+            neither of the two.
+    """
+
+    backend = "none"
+    dt = STEP
+
+    def __init__(
+        self,
+        machine: Machine = BACKHOE,
+        scene: Scene = LOADING,
+        seed: int = 0,
+        q: ArrayLike | None = None,
+        soil: bool = True,
+        base: str = "tracks",
+        friction: bool = True,
+    ) -> None:
+        for name, value, kind in (("machine", machine, Machine), ("scene", scene, Scene)):
+            if not isinstance(value, kind):
+                raise TypeError(f"{name} must be a {kind.__name__}, got {value!r}")
+        if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+            raise ValueError(f"seed must be a whole number, 0 or more, got {seed!r}")
+        if base not in ("tracks", "fixed"):
+            raise ValueError(f'base must be "tracks" or "fixed", got {base!r}')
+        self.machine, self.scene, self.seed, self.base = machine, scene, seed, base
+        self._closed = False
+        self._token = object()
+        self._start = _start(q)
+        self._soil_wanted = soil
+        self._parameters = forces.parameters(machine, friction)
+        self._patches = tracks.patch_positions(machine)
+        self._open()
+        self.reset()
+
+    @property
+    def time(self) -> float:
+        return self._ticks * self.dt
+
+    @property
+    def q(self) -> NDArray:
+        return self._q[3:].copy()
+
+    @property
+    def dq(self) -> NDArray:
+        return self._dq[3:].copy()
+
+    @property
+    def pose(self) -> NDArray:
+        return self._q[:3].copy()
+
+    @property
+    def twist(self) -> NDArray:
+        return self._dq[:3].copy()
+
+    @property
+    def belts(self) -> NDArray:
+        return self._belts.copy()
+
+    @property
+    def traction(self) -> NDArray:
+        return self._traction.copy()
+
+    @property
+    def torque(self) -> NDArray:
+        return self._applied.copy()
+
+    @property
+    def soil_force(self) -> NDArray:
+        return self._soil[:3].copy()
+
+    def step(
+        self,
+        torque: ArrayLike,
+        belts: ArrayLike = STANDING,
+        *,
+        traction: ArrayLike | None = None,
+    ) -> None:
+        """Advance by one step of 1 ms.
+
+        Torques beyond the machine's limits are cut as its actuators would; `torque` says what was
+        applied. Belts follow their command within the machine's speed and acceleration; or, given
+        `traction`, they run as the forces on them make them run, and the property `traction` says
+        what the drives gave. At the ends of the joints' range elastic stops push back.
+
+        Args:
+            torque: wanted joint torques, shape (4,) [N m].
+            belts: wanted speed of the left and right belt, shape (2,) [m/s].
+            traction: wanted driving force of the left and right track, shape (2,) [N]; instead of
+                `belts`.
+
+        Raises:
+            ValueError: a wrong shape, a value that is not finite, belts and traction at once, or
+                traction with a fixed base.
+            RuntimeError: the simulation is closed, or the machine ran away.
+        """
+        if self._closed:
+            self._refuse()
+        torque = np.asarray(torque, dtype=float)
+        if traction is not None:
+            self._drive(torque, belts, real_array(traction, _TRACTION).copy())
+        else:
+            belts = _STILL if belts is STANDING else np.asarray(belts, dtype=float)
+            if torque.shape != (4,) or belts.shape != (2,) or not self._push(torque, belts):
+                _complain(torque, belts, "belts", "speeds", "m/s")
+        self._integrate(self._forces)
+        self._ticks += 1
+        if self._ticks % TICKS_PER_DIG == 0 and not np.abs(self._dq).max() < RUNAWAY:
+            self._run_away()
+        if self.ground is not None:
+            self._dig()
+
+    def reset(self, q: ArrayLike | None = None, pose: ArrayLike | None = None) -> None:
+        """Start again at time 0, at rest and unloaded, on untouched ground.
+
+        Args:
+            q: joint angles, shape (4,) [rad]; default where the simulation was opened.
+            pose: x, y, yaw of the vehicle, shape (3,) [m, m, rad]; default the origin.
+
+        Raises:
+            ValueError: a wrong shape or a value that is not finite; a pose with a fixed base.
+            RuntimeError: the simulation is closed.
+        """
+        self._check_open()
+        q = self._start if q is None else joint_vector(q).copy()
+        if q.shape != (4,):
+            raise ValueError(f"q must be 4 joint angles, got shape {q.shape}")
+        pose = np.zeros(3) if pose is None else np.asarray(pose, dtype=float)
+        if pose.shape != (3,) or not np.isfinite(pose).all():
+            raise ValueError(f"pose must be 3 finite numbers x, y, yaw, got {pose}")
+        if self.base == "fixed" and pose.any():
+            raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
+        self._ticks = 0
+        self._applied, self._forces = np.zeros(4), np.zeros(7)
+        self._soil, self._in_soil = np.zeros(4), False
+        self._belts, self._traction, self._pull = np.zeros(2), np.zeros(2), np.zeros(2)
+        self._driven = False
+        self._sheared = np.zeros_like(self._patches)
+        self.ground = (
+            untouched_ground(self.scene, self.machine, self.seed, STEP)
+            if self._soil_wanted
+            else None
+        )
+        self._load(0.0)
+        self._place(np.concatenate([pose, q]), np.zeros(7))
+
+    def snapshot(self) -> Snapshot:
+        """Everything that the future depends on; pass it to `restore`."""
+        self._check_open()
+        made = Snapshot(
+            self._token,
+            self._ticks,
+            tuple(array.copy() for array in self._state()),
+            float(self._parameters["payload"][0]),
+            self._in_soil,
+            None if self.ground is None else self.ground.snapshot(),
+            self._engine_snapshot(),
+        )
+        weakref.finalize(made, self._engine_forget, made.engine)
+        return made
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to a snapshot; what follows then repeats bit for bit.
+
+        Raises:
+            ValueError: the snapshot is of another simulation.
+            RuntimeError: the simulation is closed.
+        """
+        self._check_open()
+        if not isinstance(snapshot, Snapshot) or snapshot.owner is not self._token:
+            raise ValueError("restore needs a snapshot of this very simulation")
+        self._ticks = snapshot.ticks
+        for array, saved in zip(self._state(), snapshot.arrays, strict=True):
+            array[:] = saved
+        if self.ground is not None:
+            self.ground.restore(snapshot.ground)
+        self._in_soil, self._driven = snapshot.in_soil, True
+        self._load(snapshot.payload)
+        self._engine_restore(snapshot.engine)
+
+    def close(self) -> None:
+        """Release what the simulation holds; a second call does nothing."""
+        if not self._closed:
+            self._closed = True
+            self._shut()
+
+    def __enter__(self) -> Loop:
+        self._check_open()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def render(self, *view: object, **options: object) -> NDArray:
+        """Only the PyBullet backend has cameras.
+
+        Raises:
+            RuntimeError: always, here.
+        """
+        raise RuntimeError(
+            f"the {self.backend} backend has no cameras: install PyBullet and open the world with "
+            'backend="pybullet", or watch a replay'
+        )
+
+    # What a backend brings.
+
+    def _integrate(self, pushed: NDArray) -> None:
+        """Advance self._q and self._dq, new arrays of shape (7,), under forces (7,)."""
+        raise NotImplementedError
+
+    def _place(self, q: NDArray, dq: NDArray) -> None:
+        """Put the machine at coordinates q with rates dq, shape (7,)."""
+        self._q, self._dq = q, dq
+
+    def _carry(self, payload: float) -> None:
+        """Take `payload` [kg] along at the bucket's centre of mass."""
+
+    def _open(self) -> None:
+        """Prepare the engine."""
+
+    def _shut(self) -> None:
+        """Release the engine."""
+
+    def _engine_snapshot(self) -> object:
+        """State of the engine beyond coordinates and rates."""
+
+    def _engine_restore(self, state: object) -> None:
+        """Go back to what `_engine_snapshot` returned."""
+
+    def _engine_forget(self, state: object) -> None:
+        """Release what `_engine_snapshot` returned: its snapshot is gone."""
+
+    def _state(self) -> tuple[NDArray, ...]:
+        return (
+            self._q,
+            self._dq,
+            self._applied,
+            self._soil,
+            self._belts,
+            self._traction,
+            self._sheared,
+        )
+
+    def _push(self, torque: NDArray, belts: NDArray) -> bool:
+        if self._driven:
+            self._traction, self._driven = np.zeros(2), False
+        return forces.push(
+            self._q,
+            self._dq,
+            torque,
+            belts,
+            self._soil,
+            self.dt,
+            self._parameters,
+            self._patches,
+            self._sheared,
+            self._belts,
+            self._pull,
+            self._applied,
+            self._forces,
+        )
+
+    def _drive(self, torque: NDArray, belts: ArrayLike, traction: NDArray) -> None:
+        if belts is not STANDING:
+            raise ValueError("give belts (speeds) or traction (forces), not both")
+        if self.base == "fixed":
+            raise ValueError("a fixed base cannot be driven: open the world with tracks")
+        if (
+            torque.shape != (4,)
+            or traction.shape != (2,)
+            or not forces.drive(
+                self._q,
+                self._dq,
+                torque,
+                traction,
+                self._soil,
+                self.dt,
+                self._parameters,
+                self._patches,
+                self._sheared,
+                self._belts,
+                self._pull,
+                self._applied,
+                self._forces,
+            )
+        ):
+            _complain(torque, traction, "traction", "forces", "N")
+        self._traction, self._driven = traction, True
+
+    def _dig(self) -> None:
+        """Let the soil move on at 100 Hz and, in it, feel it at 1 kHz."""
+        visit = self._ticks % TICKS_PER_DIG == 0
+        if not (visit or self._in_soil):
+            return
+        ground = self.ground
+        T_world_tip, velocity = forces.tip_motion(self._q, self._dq, self._parameters)
+        if visit:
+            if not velocity @ velocity < RUNAWAY**2:
+                self._run_away()
+            force = ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
+            self._load(ground.payload)
+            self._in_soil = ground.touches
+        else:
+            force = ground.force(T_world_tip[:3, 3], velocity)
+        self._soil[:3] = force
+        self._soil[3] = ground.moment
+
+    def _load(self, payload: float) -> None:
+        if payload != self._parameters["payload"][0] or self._ticks == 0:
+            self._parameters["payload"][0] = payload
+            self._carry(payload)
+
+    def _run_away(self) -> None:
+        raise RuntimeError(
+            f"the machine ran away at t = {self.time:.3f} s with rates {self._dq.round(1)}: the "
+            "torques drive it apart (in a controller: a wrong sign, or a damping gain above twice "
+            "the joint's inertia over the step); call reset() before going on"
+        )
+
+    def _check_open(self) -> None:
+        if self._closed:
+            self._refuse()
+
+    def _refuse(self) -> None:
+        raise RuntimeError("this simulation is closed: open a new one with simulation.open_world()")
+
+
+def _start(q: ArrayLike | None) -> NDArray:
+    start = REST.copy() if q is None else joint_vector(q).copy()
+    if start.shape != (4,):
+        raise ValueError(f"q must be 4 joint angles, got shape {start.shape}")
+    return start
+
+
+def _complain(torque: NDArray, pair: NDArray, name: str, what: str, unit: str) -> None:
+    if torque.shape != (4,):
+        raise ValueError(
+            f"torque must be 4 numbers (swing, boom, stick, bucket) [N m], got shape {torque.shape}"
+        )
+    if pair.shape != (2,):
+        raise ValueError(f"{name} must be 2 {what} (left, right) [{unit}], got shape {pair.shape}")
+    raise ValueError(f"torque and {name} must be finite, got {torque} N m and {pair} {unit}")

@@ -1,0 +1,93 @@
+"""A skid-steer vehicle as URDF text, generated from its description and never kept as a file.
+
+A box body on four cylinders. Collision is by a sphere inside each cylinder: it touches the ground
+in one point, below the wheel's middle, as an ideal wheel does; a cylinder touches with both ends
+of a line and is the harder to turn for it. Axes as in `skid_steer`; the robot's frame lies on the
+ground below its centre of mass.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING
+
+from backhoe.vehicle.skid_steer.vehicle import WHEELS
+
+if TYPE_CHECKING:
+    from backhoe.vehicle.skid_steer.vehicle import Vehicle
+
+__all__ = ["body_middle", "rover_urdf"]
+
+
+def body_middle(vehicle: Vehicle) -> tuple[float, float, float]:
+    """Centre of mass of the body in the robot's frame [m]: the wheels' is made up for."""
+    wheels = 2 * (vehicle.front - vehicle.rear) * vehicle.wheel_mass
+    return 0.0 - wheels / vehicle.body_mass, 0.0, vehicle.clearance + vehicle.body_height / 2
+
+
+def rover_urdf(vehicle: Vehicle, *, wheels: str = "continuous", shape: str = "sphere") -> str:
+    """URDF of the vehicle.
+
+    The body's inertia is that of a box of its shape, scaled so that the whole vehicle has its
+    stated yaw inertia; a wheel's other two are those of a flat ring of its axle's inertia.
+
+    Args:
+        vehicle: its description.
+        wheels: kind of the wheels' joints, "continuous" or "fixed".
+        shape: what collides, "sphere" or "cylinder".
+
+    Returns:
+        The XML text: link "body", and a link and joint for each name of `skid_steer.WHEELS`.
+
+    Raises:
+        ValueError: an unknown kind or shape, or wheels that alone have more inertia than the whole.
+    """
+    if wheels not in ("continuous", "fixed"):
+        raise ValueError(f'wheels must be "continuous" or "fixed", got {wheels!r}')
+    if shape not in ("sphere", "cylinder"):
+        raise ValueError(f'shape must be "sphere" or "cylinder", got {shape!r}')
+    p = vehicle
+    across = p.wheel_inertia / 2 + p.wheel_mass * p.wheel_width**2 / 12
+    x_body = body_middle(p)[0]
+    arms = p.wheel_mass * (p.positions**2).sum() + p.body_mass * x_body**2
+    yaw = p.inertia - arms - 4 * across
+    if yaw <= 0:
+        raise ValueError(
+            f"Vehicle.inertia {p.inertia} kg m^2 is less than that of its wheels, {p.inertia - yaw}"
+        )
+    L, W, H = p.body_length, p.body_width, p.body_height
+    scale = yaw / (L**2 + W**2)
+    body = scale * (W**2 + H**2), scale * (L**2 + H**2), yaw
+    parts = [
+        _link("body", body_middle(p), p.body_mass, body, f'<box size="{L!r} {W!r} {H!r}"/>'),
+        *(
+            _wheel(p, name, at, wheels, shape, across)
+            for name, at in zip(WHEELS, p.positions, strict=True)
+        ),
+    ]
+    return "\n".join(['<?xml version="1.0"?>', '<robot name="rover">', *parts, "</robot>"])
+
+
+def _wheel(p: Vehicle, name: str, at: tuple, kind: str, shape: str, across: float) -> str:
+    length = f' length="{p.wheel_width!r}"' if shape == "cylinder" else ""
+    solid = f'<{shape} radius="{p.wheel_radius!r}"{length}/>'
+    inertia = across, p.wheel_inertia, across
+    x, y = (float(value) for value in at)
+    return (
+        _link(name, (0.0, 0.0, 0.0), p.wheel_mass, inertia, solid, f' rpy="{pi / 2!r} 0 0"')
+        + f'\n<joint name="{name}" type="{kind}"><parent link="body"/><child link="{name}"/>'
+        f'<origin xyz="{x!r} {y!r} {p.wheel_radius!r}"/><axis xyz="0 1 0"/>'
+        '<dynamics damping="0" friction="0"/></joint>'
+    )
+
+
+def _link(
+    name: str, middle: tuple, mass: float, inertia: tuple, solid: str, turned: str = ""
+) -> str:
+    xx, yy, zz = (float(value) for value in inertia)
+    at = " ".join(repr(float(value)) for value in middle)
+    return (
+        f'<link name="{name}"><inertial><origin xyz="{at}"/><mass value="{mass!r}"/>'
+        f'<inertia ixx="{xx!r}" iyy="{yy!r}" izz="{zz!r}" ixy="0" ixz="0" iyz="0"/></inertial>'
+        f'<collision><origin xyz="{at}"{turned}/><geometry>{solid}</geometry></collision></link>'
+    )

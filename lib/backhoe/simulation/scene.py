@@ -1,0 +1,155 @@
+"""What stands around the machine: the ground's grid, spoil heaps and the dump truck.
+
+Lengths in m, angles in rad, in the world frame (x forward, y left, z up; flat ground at z = 0).
+All numbers are our choice, made so that the machine reaches heap and truck without driving.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backhoe.machine import Machine
+
+if TYPE_CHECKING:
+    from backhoe.simulation.soil.ground import Ground
+
+__all__ = ["FLAT", "LOADING", "Heap", "Scene", "Truck", "untouched_ground"]
+
+ROUGHNESS = 0.03
+"""Height of the bumps on a heap [m]; they come from the seed."""
+
+
+@dataclass(frozen=True)
+class Heap:
+    """A rounded spoil heap: a cosine bump of `height` over a disc of `radius` [m]."""
+
+    x: float
+    y: float
+    height: float
+    radius: float
+
+    def __post_init__(self) -> None:
+        if not all(map(isfinite, (self.x, self.y, self.height, self.radius))) or self.radius <= 0:
+            raise ValueError(f"Heap needs finite numbers and a positive radius, got {self!r}")
+
+    def height_at(self, x: NDArray, y: NDArray) -> NDArray:
+        """Height above the flat ground at (x, y) [m], same shape as x and y."""
+        distance = np.minimum(np.hypot(x - self.x, y - self.y) / self.radius, 1.0)
+        return self.height / 2 * (1 + np.cos(np.pi * distance))
+
+
+@dataclass(frozen=True)
+class Truck:
+    """A dump truck that stands with its nose along x, the middle of its bed at (x, y).
+
+    The open bed is `bed_length` along x by `bed_width` inside, its `floor` and the top of its
+    `wall` measured from the ground [m].
+    """
+
+    x: float
+    y: float
+    bed_length: float
+    bed_width: float
+    floor: float
+    wall: float
+
+    def __post_init__(self) -> None:
+        if not all(isfinite(value) for value in vars(self).values()):
+            raise ValueError(f"Truck needs finite numbers, got {self!r}")
+        if not (self.bed_length > 0 and self.bed_width > 0 and 0 < self.floor < self.wall):
+            raise ValueError(
+                f"Truck needs a bed with positive sides and 0 < floor < wall, got {self!r}"
+            )
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A grid of `rows` x `columns` heights (y by x), `cell` [m] apart, with what lies on it.
+
+    `corner` is the (x, y) of the first height [m].
+    """
+
+    corner: tuple[float, float]
+    rows: int
+    columns: int
+    cell: float
+    heaps: tuple[Heap, ...] = ()
+    truck: Truck | None = None
+
+    def __post_init__(self) -> None:
+        if self.rows < 2 or self.columns < 2 or not self.cell > 0:
+            raise ValueError(
+                "Scene needs at least 2 rows, 2 columns and a positive cell, "
+                f"got {self.rows}, {self.columns}, {self.cell}"
+            )
+
+    def grid(self) -> tuple[NDArray, NDArray]:
+        """World x and y of every height, each of shape (rows, columns) [m]."""
+        x = self.corner[0] + self.cell * np.arange(self.columns)
+        y = self.corner[1] + self.cell * np.arange(self.rows)
+        return tuple(np.meshgrid(x, y))
+
+    def heights(self, seed: int = 0) -> NDArray:
+        """Heights of the untouched ground, shape (rows, columns) [m]; bumps from the seed."""
+        x, y = self.grid()
+        ground = np.zeros(x.shape)
+        for heap in self.heaps:
+            ground += heap.height_at(x, y)
+        if ground.any():
+            covered = np.minimum(ground / ground.max() * 4, 1.0)
+            ground += covered * _bumps(x, y, np.random.default_rng(seed))
+        return ground
+
+
+def untouched_ground(scene: Scene, machine: Machine, seed: int, hold: float) -> Ground:
+    """The soil of a scene before anyone dug in it.
+
+    Args:
+        scene: what stands around the machine.
+        machine: whose bucket digs.
+        seed: of the bumps on the heaps.
+        hold: time over which the bucket feels one force of the soil [s].
+    """
+    from backhoe.simulation.soil.ground import Ground, Terrain
+
+    terrain = Terrain(scene.heights(seed), scene.cell, scene.corner)
+    truck, bed = scene.truck, None
+    if truck is not None:
+        bed = Terrain.bed(
+            (truck.x, truck.y),
+            truck.bed_length,
+            truck.bed_width,
+            truck.floor,
+            truck.wall,
+            scene.cell,
+        )
+    return Ground(terrain, bed, machine=machine, hold=hold)
+
+
+def _bumps(x: NDArray, y: NDArray, rng: np.random.Generator) -> NDArray:
+    waves = np.zeros_like(x)
+    for _ in range(8):
+        direction, phase = rng.uniform(0, 2 * np.pi, 2)
+        wavelength = rng.uniform(0.6, 1.6)
+        along = np.cos(direction) * x + np.sin(direction) * y
+        waves += np.sin(2 * np.pi * along / wavelength + phase)
+    return ROUGHNESS / 2 * (1 + waves / 8)
+
+
+LOADING = Scene(
+    corner=(-3.0, -6.4),
+    rows=175,
+    columns=161,
+    cell=0.08,
+    heaps=(Heap(x=6.0, y=0.0, height=1.0, radius=2.5),),
+    truck=Truck(x=0.8, y=5.3, bed_length=4.4, bed_width=2.4, floor=1.1, wall=1.9),
+)
+"""A spoil heap ahead and a truck on the left: what the tour digs and fills."""
+
+FLAT = Scene(corner=(-8.0, -8.0), rows=101, columns=101, cell=0.16)
+"""Nothing but flat ground."""

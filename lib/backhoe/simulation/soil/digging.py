@@ -1,0 +1,141 @@
+"""The bucket's shell on its way through the ground: what is cut, pushed away and stood upon.
+
+The shell moves in steps of at most half a cell. What its edge cuts while it moves towards the mouth
+goes into the bucket; what has no room there, and what the shell displaces, is laid down beside it.
+"""
+
+from __future__ import annotations
+
+from math import ceil, cos, hypot, inf, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from backhoe.machine import Shell
+from backhoe.simulation.soil.bucket_pose import BucketPose, between, distance, turn, wrapped
+from backhoe.simulation.soil.force import Contact
+from backhoe.simulation.soil.terrain import Terrain
+
+__all__ = ["Digger", "Dug"]
+
+NO_CONTACT = Contact()
+
+
+class Dug(NamedTuple):
+    """Volume taken into the bucket and laid beside the map [m^3], and the shell's contact."""
+
+    taken: float
+    missed: float
+    contact: Contact
+
+
+class Digger:
+    """A bucket's shell in the soil of one terrain.
+
+    Args:
+        terrain: that it digs; changed in place.
+        shell: its profile and width.
+        give: how far soil stands into the shell before it is pressed away [m].
+    """
+
+    def __init__(self, terrain: Terrain, shell: Shell, give: float) -> None:
+        from backhoe.simulation.soil import kernels
+
+        self._kernels = kernels
+        self.terrain, self.give = terrain, give
+        self.half = shell.width / 2
+        self.profile = np.array(shell.profile)
+        self.reach = max(hypot(x, y) for x, y in shell.profile)
+        self._covered: tuple[int, int, int, int] | None = None
+
+    def move(self, before: BucketPose, now: BucketPose, room: float) -> Dug:
+        """Drive the shell from one pose to the next with `room` [m^3] left in the bucket."""
+        if min(before.tip[2], now.tip[2]) - self.reach > self.terrain.top:
+            return Dug(0.0, 0.0, NO_CONTACT)
+        swept = abs(wrapped(now.pitch - before.pitch)) + abs(turn(before, now))
+        path = distance(before, now) + swept * (self.reach + self.half)
+        steps = max(ceil(path / (self.terrain.cell / 2)), 1)
+        last, taken, missed, contact = before, 0.0, 0.0, NO_CONTACT
+        for step in range(1, steps + 1):
+            here = now if step == steps else between(before, now, step / steps)
+            dug = self._step(last, here, room - taken)
+            taken, missed, contact = taken + dug.taken, missed + dug.missed, dug.contact
+            last = here
+        return Dug(taken, missed, contact)
+
+    def lift(self) -> None:
+        """Let soil flow again where the shell kept it away."""
+        if self._covered is not None:
+            i, end_i, j, end_j = self._covered
+            self.terrain.ceiling[i:end_i, j:end_j] = inf
+            self._covered = None
+
+    def depth(self, now: BucketPose, cells: float) -> float:
+        """Mean height of the soil above the teeth, some cells along the heading [m]."""
+        ground = self.terrain
+        return self._kernels.cut_depth(
+            ground.heights, ground.frame, now.tip, now.heading, cells * ground.cell, self.half
+        )
+
+    def lower_lip(self, now: BucketPose) -> tuple[float, float]:
+        """u and height over the tip of the lip over which soil falls out [m]."""
+        u, z = self._kernels.turned(self.profile, now.pitch)
+        return (0.0, 0.0) if z[-1] >= 0 else (float(u[-1]), float(z[-1]))
+
+    def before_mouth(self, now: BucketPose) -> float:
+        """Nearest u in front of the teeth from where no soil gets under the shell [m]."""
+        return 1.5 * self.terrain.cell * now.mouth_side
+
+    def _step(self, last: BucketPose, here: BucketPose, room: float) -> Dug:
+        ground = self.terrain
+        self.lift()
+        cut, pressed, area, sunk, lever, u_low, u_high, self._covered = self._kernels.dig(
+            ground.heights, ground.floor, ground.ceiling, ground.frame, ground.box,
+            self.profile, last.tip, here.tip, here.heading, here.pitch, self.half, self.give,
+        )  # fmt: skip
+        contact = Contact(area, sunk, lever) if area > 0.0 else NO_CONTACT
+        if cut == 0.0 and pressed == 0.0:
+            return Dug(0.0, 0.0, contact)
+        ground.version += 1
+        along, across, up = _displacement(last, here)
+        taken = missed = 0.0
+        if along * sin(here.pitch) - up * cos(here.pitch) >= 0.0:
+            taken = min(cut, max(room, 0.0))
+            u = self.before_mouth(here)
+            missed = self._lay(here, (u, -self.half), (u, self.half), cut - taken)
+        else:
+            pressed += cut
+        missed += self._push_aside(here, (along, across, up), pressed, u_low, u_high)
+        return Dug(taken, missed, contact)
+
+    def _push_aside(
+        self,
+        here: BucketPose,
+        moved: tuple[float, float, float],
+        volume: float,
+        u_low: float,
+        u_high: float,
+    ) -> float:
+        """Lay what the shell displaced beside its footprint, on the side to which it moved."""
+        along, across, up = moved
+        margin, half = 1.5 * self.terrain.cell, self.half
+        if abs(along) > max(abs(up), abs(across)):
+            u = u_high + margin if along > 0 else u_low - margin
+            return self._lay(here, (u, -half), (u, half), volume)
+        if abs(across) > abs(up):
+            v = half + margin if across > 0 else -half - margin
+            return self._lay(here, (u_low, v), (u_high, v), volume)
+        return sum(
+            self._lay(here, (u_low, v), (u_high, v), volume / 2)
+            for v in (-half - margin, half + margin)
+        )
+
+    def _lay(
+        self, here: BucketPose, start: tuple[float, float], end: tuple[float, float], volume: float
+    ) -> float:
+        return self.terrain.lay(here.point(*start), here.point(*end), volume)
+
+
+def _displacement(last: BucketPose, here: BucketPose) -> tuple[float, float, float]:
+    dx, dy, dz = (b - a for a, b in zip(last.tip, here.tip, strict=True))
+    return (*here.components(dx, dy), dz)

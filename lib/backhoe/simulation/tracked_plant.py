@@ -1,0 +1,186 @@
+"""The machine on its tracks in the simulation, driven by a velocity controller.
+
+The arm is held in one posture; what moves is x, y and heading. One `step` is one sample of the
+velocity controller: it sees wanted and measured speeds and gives the forces of the tracks, which
+the simulation holds over its own steps of 1 ms. The same names as every other plant that a tracker
+drives: `pose`, `twist`, `time`, `dt`, `step(v, omega)`, `reset()`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, isfinite, sin
+from numbers import Real
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import real_array
+from backhoe.machine import BACKHOE, Machine
+from backhoe.simulation.backends import open_world
+from backhoe.simulation.hold import Hold
+from backhoe.simulation.scene import FLAT, Scene
+from backhoe.vehicle.tracking import Limits
+from backhoe.vehicle.travel.posture import POSTURE
+from backhoe.vehicle.travel.velocity import VelocityPI
+
+if TYPE_CHECKING:
+    from backhoe.simulation.loop import Loop
+
+__all__ = ["TrackedPlant"]
+
+_CALL = "controller(v_ref, omega_ref, v, omega, dt) -> (left, right) [N]"
+
+
+class TrackedPlant:
+    """The backhoe as a plant for tracking; use it in a `with` statement or close it yourself.
+
+    Args:
+        world: a simulation on tracks to drive in, left open at the end; default a new one without
+            soil, closed by `close`.
+        controller: forces of the tracks from speeds, `VelocityPI` or your own: it is called as
+            controller(v_ref, omega_ref, v, omega, dt) and returns (left, right) [N].
+        machine, backend, scene: of the new world; as in `simulation.open_world`.
+        dt: sample time of the controller [s], a whole multiple of the world's step.
+        posture: joint angles in which the arm is held, shape (4,) [rad]; default `POSTURE`, in a
+            given world the present ones.
+        pose: x, y [m] and heading [rad] at the start, shape (3,); default the origin, in a given
+            world where it stands.
+
+    Raises:
+        TypeError: the controller cannot be called.
+        ValueError: dt is no whole multiple of the world's step, posture or pose is malformed, or a
+            machine, backend or scene comes with a world.
+    """
+
+    def __init__(
+        self,
+        world: Loop | None = None,
+        *,
+        controller: Callable | None = None,
+        machine: Machine = BACKHOE,
+        backend: str = "auto",
+        dt: float = 0.02,
+        posture: ArrayLike | None = None,
+        scene: Scene = FLAT,
+        pose: ArrayLike | None = None,
+    ) -> None:
+        from backhoe.simulation.loop import STEP  # compiled when it is needed
+
+        if isinstance(controller, type) or not (controller is None or callable(controller)):
+            raise TypeError(f"controller must be a function or an object: {_CALL}")
+        self._ticks = _whole_multiple(dt, STEP if world is None else world.dt)
+        self._opened = world is None
+        if world is None:
+            start = POSTURE if posture is None else posture
+            world = open_world(machine, backend=backend, scene=scene, q=start, soil=False)
+        elif machine is not BACKHOE or backend != "auto" or scene is not FLAT:
+            raise ValueError("machine, backend and scene are those of the given world: leave them")
+        self.world, self.machine, self.backend = world, world.machine, world.backend
+        self.dt = self._ticks * world.dt
+        self.controller = VelocityPI(machine=self.machine) if controller is None else controller
+        self._hold = Hold(world.q if posture is None else posture, self.machine)
+        self._started = pose
+        try:
+            if self._opened or pose is not None:
+                self.reset()
+        except ValueError:
+            self.close()
+            raise
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.world.time
+
+    @property
+    def pose(self) -> NDArray:
+        """x, y, heading, shape (3,) [m, m, rad]; the heading counts on through full turns."""
+        return self.world.pose
+
+    @property
+    def twist(self) -> NDArray:
+        """Forward and turning speed in the machine's own frame, shape (2,) [m/s, rad/s]."""
+        dx, dy, omega = self.world.twist
+        heading = self.world.pose[2]
+        return np.array([dx * cos(heading) + dy * sin(heading), omega])
+
+    @property
+    def lateral_speed(self) -> float:
+        """Speed to the left in the machine's own frame [m/s]: slip, for tracks."""
+        dx, dy, _ = self.world.twist
+        heading = self.world.pose[2]
+        return float(dy * cos(heading) - dx * sin(heading))
+
+    @property
+    def limits(self) -> Limits:
+        """Speeds that the tracks can drive; `tracking.follow` keeps to them, turning first."""
+        return Limits.of_tracks(self.machine)
+
+    @property
+    def traction(self) -> NDArray:
+        """What the drives of the left and right track gave last, shape (2,) [N]."""
+        return self.world.traction
+
+    @property
+    def belts(self) -> NDArray:
+        """Speed of the left and right belt, shape (2,) [m/s]."""
+        return self.world.belts
+
+    @property
+    def q(self) -> NDArray:
+        """Joint angles, shape (4,) [rad]."""
+        return self.world.q
+
+    def step(self, v: float, omega: float) -> None:
+        """Drive for one sample with wanted forward and turning speed [m/s, rad/s].
+
+        Raises:
+            ValueError: v or omega is not finite; the controller returns something else than two
+                finite forces.
+            RuntimeError: the simulation is closed, or the machine ran away.
+        """
+        if not (isfinite(v) and isfinite(omega)):
+            raise ValueError(f"v and omega must be finite, got {v!r} m/s and {omega!r} rad/s")
+        forces = self._ask(float(v), float(omega))
+        world, hold = self.world, self._hold
+        for _ in range(self._ticks):
+            world.step(hold(world.q, world.dq), traction=forces)
+
+    def reset(self, pose: ArrayLike | None = None) -> None:
+        """Start again at time 0, at rest, the arm in its posture, the controller fresh.
+
+        Args:
+            pose: x, y, heading, shape (3,) [m, m, rad]; default where the plant started.
+        """
+        self.world.reset(self._hold.q, self._started if pose is None else pose)
+        if callable(getattr(self.controller, "reset", None)):
+            self.controller.reset()
+
+    def close(self) -> None:
+        """Close the world if it was opened here; a second call does nothing."""
+        if self._opened:
+            self.world.close()
+
+    def __enter__(self) -> TrackedPlant:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def _ask(self, v: float, omega: float) -> NDArray:
+        pair = self.controller(v, omega, *self.twist.tolist(), self.dt)
+        forces = real_array(pair, f"the controller must return 2 forces, it is {_CALL}")
+        if forces.shape != (2,) or not np.isfinite(forces).all():
+            raise ValueError(f"the controller must return 2 finite forces, got {pair!r}: {_CALL}")
+        return forces
+
+
+def _whole_multiple(dt: float, step: float) -> int:
+    if not isinstance(dt, Real) or isinstance(dt, bool) or not isfinite(dt):
+        raise ValueError(f"dt must be a time in s, got {dt!r}")
+    ticks = round(dt / step)
+    if ticks < 1 or abs(ticks * step - dt) > 1e-9:
+        raise ValueError(f"dt must be a whole multiple of the world's step {step} s, got {dt!r}")
+    return ticks

@@ -1,0 +1,43 @@
+"""The friction of four wheels, integrated over one step of a simulation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from backhoe.vehicle.skid_steer import Vehicle
+
+__all__ = ["WheelFriction"]
+
+_TOLERANCE = 1e-6
+
+
+class WheelFriction:
+    """The slipping model over one step of this length [s]; loads and drives change step by step."""
+
+    def __init__(self, vehicle: Vehicle, step: float) -> None:
+        from backhoe.vehicle.skid_steer import kernels
+
+        self._kernels, self._step = kernels, step
+        self._record = kernels.record([vehicle])
+        self._wheel_inertia = vehicle.wheel_inertia
+        self._length, self._room = np.full(1, step), kernels.room()
+
+    def advance(
+        self,
+        state: NDArray,
+        drive: NDArray,
+        damping: NDArray,
+        rotor_inertia: NDArray,
+        loads: NDArray,
+    ) -> None:
+        """Bring state (10,) forward by one step in place; drive and loads of shape (4,)."""
+        record = self._record
+        record["damping"][0], record["load"][0] = damping, loads
+        record["spin"][0] = self._wheel_inertia + rotor_inertia
+        self._kernels.advance(
+            state, drive, record[0], self._step, self._length, _TOLERANCE, self._room
+        )

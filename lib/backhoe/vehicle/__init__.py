@@ -1,0 +1,1 @@
+"""The vehicle: tracks and wheels, their drives, speed control and the tracking of paths."""

@@ -1,0 +1,104 @@
+"""Skid-steer vehicles: four fixed wheels, or two tracks, that turn by slipping.
+
+- `vehicle`: the numbers, `HUSKY` for one
+- `kinematics`: wheel speeds, twist, pose, centre of rotation
+- `identification`: the effective half track and the centre of rotation from logs
+- `friction`: Coulomb, smooth and linear laws
+- `linear_model`: the linear dynamic model, repaired
+- `slipping`: the plane model with friction at each wheel
+- `simulation`: many runs at once, with every model
+- `plant`: one vehicle, step by step, for trackers
+
+Source: D'Angelo 2022, chapter 2.
+"""
+
+from __future__ import annotations
+
+from backhoe.vehicle.skid_steer.friction import (
+    coulomb,
+    linear,
+    linear_range,
+    overestimate,
+    slope,
+    smooth,
+    smooth_sign,
+)
+from backhoe.vehicle.skid_steer.identification import Identification, effective_half_track, identify
+from backhoe.vehicle.skid_steer.kinematics import (
+    body_twist,
+    constraint,
+    contact_velocity,
+    icr,
+    pose_rate,
+    wheel_speeds,
+    world_velocity,
+)
+from backhoe.vehicle.skid_steer.linear_model import (
+    Rates,
+    StateSpace,
+    control_system,
+    fit,
+    radius,
+    rates,
+    ratios,
+    state_space,
+    steady_state,
+    step_response,
+)
+from backhoe.vehicle.skid_steer.plant import Plant
+from backhoe.vehicle.skid_steer.simulation import Simulation, simulate
+from backhoe.vehicle.skid_steer.slipping import (
+    advance,
+    contact_forces,
+    energy,
+    friction_power,
+    state_rate,
+    turning_half_track,
+    turning_moment,
+)
+from backhoe.vehicle.skid_steer.vehicle import HUSKY, PROVENANCE, WHEELS, Vehicle, replace
+
+__all__ = [
+    "HUSKY",
+    "PROVENANCE",
+    "WHEELS",
+    "Identification",
+    "Plant",
+    "Rates",
+    "Simulation",
+    "StateSpace",
+    "Vehicle",
+    "advance",
+    "body_twist",
+    "constraint",
+    "contact_forces",
+    "contact_velocity",
+    "control_system",
+    "coulomb",
+    "effective_half_track",
+    "energy",
+    "fit",
+    "friction_power",
+    "icr",
+    "identify",
+    "linear",
+    "linear_range",
+    "overestimate",
+    "pose_rate",
+    "radius",
+    "rates",
+    "ratios",
+    "replace",
+    "simulate",
+    "slope",
+    "smooth",
+    "smooth_sign",
+    "state_rate",
+    "state_space",
+    "steady_state",
+    "step_response",
+    "turning_half_track",
+    "turning_moment",
+    "wheel_speeds",
+    "world_velocity",
+]

@@ -1,0 +1,1 @@
+"""What people see: figures that lessons share, the machine's looks, replays in 3D."""

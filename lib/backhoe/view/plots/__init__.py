@@ -1,0 +1,31 @@
+"""Figures that several lessons share: one style, text alternatives, nothing that needs a screen.
+
+Every drawing function returns a Matplotlib figure; `show(fig, alt)` puts it into the notebook. What
+one lesson alone draws is in its `backhoe.lessons.<name>.figures`.
+"""
+
+from backhoe.view.plots.drawing import posture
+from backhoe.view.plots.interactive import sliders
+from backhoe.view.plots.panels import joint_tracking, stacked
+from backhoe.view.plots.paths import from_above, paths
+from backhoe.view.plots.style import COLOURS, KINDS, draw_lines, figure, lines, png, show, styled
+from backhoe.view.plots.way import STAGES, data_way
+
+__all__ = [
+    "COLOURS",
+    "KINDS",
+    "STAGES",
+    "data_way",
+    "draw_lines",
+    "figure",
+    "from_above",
+    "joint_tracking",
+    "lines",
+    "paths",
+    "png",
+    "posture",
+    "show",
+    "sliders",
+    "stacked",
+    "styled",
+]

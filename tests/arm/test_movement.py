@@ -1,0 +1,167 @@
+"""Movements: smooth, within the machine's limits, through their way-points, and calm refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from backhoe.arm import kinematics, movement
+from backhoe.arm.movement import Movement
+from backhoe.machine import BACKHOE
+from backhoe.simulation.soil.earthmoving import LOAM
+
+
+@pytest.fixture(scope="module")
+def loading():
+    return movement.loading()
+
+
+def test_loading_lasts_35_s_and_rests_between_its_phases(loading):
+    assert len(loading) == 35_001
+    assert loading.dt == pytest.approx(1e-3)
+    for times in movement.PHASES.values():
+        for time in times:
+            row = round(time / loading.dt)
+            assert loading.t[row] == pytest.approx(time)
+            assert not loading.dq[row].any()
+            assert not loading.ddq[row].any()
+
+
+def test_loading_is_as_fast_as_the_movement_of_the_thesis(loading):
+    """59.53 deg/s; ours is laid out to come within 0.1 deg/s of it."""
+    assert np.degrees(loading.speed.max()) == pytest.approx(59.53, abs=0.1)
+
+
+def test_loading_stays_within_range_speed_and_torque_with_a_full_bucket(loading):
+    q, dq = loading.q, loading.dq
+    assert (q > BACKHOE.lower).all() and (q < BACKHOE.upper).all()
+    assert (np.abs(dq) < 0.8 * BACKHOE.speed_limit).all()
+    load = BACKHOE.shell.struck_capacity * LOAM.density
+    for mass in (0.0, load):
+        needed = np.abs(movement.torque(loading, mass)) / BACKHOE.torque_limit
+        assert needed.max() < 0.8
+
+
+def test_speeds_and_accelerations_are_the_derivatives_of_the_angles(loading):
+    """The error of the trapezoidal rule falls with the square of the step."""
+
+    def gaps(m):
+        by_speed = np.diff(m.q, axis=0) / m.dt - (m.dq[1:] + m.dq[:-1]) / 2
+        by_acceleration = np.diff(m.dq, axis=0) / m.dt - (m.ddq[1:] + m.ddq[:-1]) / 2
+        return np.abs(by_speed).max(), np.abs(by_acceleration).max()
+
+    coarse, fine = gaps(movement.loading(dt=0.01)), gaps(loading)
+    for large, small in zip(coarse, fine, strict=True):
+        assert small < large / 50
+    assert fine[1] < 1e-5
+
+
+def test_acceleration_is_continuous(loading):
+    """Its largest step between samples shrinks with them."""
+    coarse = movement.loading(dt=0.01)
+    jumps = [np.abs(np.diff(m.ddq, axis=0)).max() for m in (coarse, loading)]
+    assert jumps[1] < jumps[0] / 8
+
+
+def test_a_coarser_loading_is_the_same_movement(loading):
+    coarse = movement.loading(dt=0.1)
+    for name in ("q", "dq", "ddq"):
+        found, expected = getattr(coarse, name), getattr(loading, name)[::100]
+        np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_a_waiting_joint_waits_without_rounding(loading):
+    tipping = (loading.t > 16.5) & (loading.t < 20)
+    assert not loading.dq[tipping, :3].any()
+
+
+def test_from_targets_passes_its_way_points():
+    targets = np.array([[0.4, 5.7, 3.9, 0.0], [2.4, 5.0, 3.0, 0.5], [6.0, 0.0, 3.0, 1.0]])
+    m = movement.from_targets([0, 4, 8], targets, dt=0.01)
+    np.testing.assert_allclose(kinematics.pose(m.q[[0, 400, 800]]), targets, atol=1e-9)
+    assert m.dq[400].any()
+
+
+def test_a_rest_is_a_stop_on_the_way():
+    postures = np.radians([[0, 10, 0, 0], [20, 15, 5, 30], [40, 10, 0, 0]])
+    m = movement.from_postures([0, 4, 8], postures, dt=0.01, rest=[1])
+    assert not m.dq[400].any()
+
+
+def test_between_two_rests_it_is_the_minimum_jerk_polynomial():
+    start, end = np.radians([[0, 10, 0, 0], [40, 20, -10, 30]])
+    m = movement.from_postures([0, 5], [start, end], dt=0.01)
+    s = m.t / 5
+    share = 10 * s**3 - 15 * s**4 + 6 * s**5
+    np.testing.assert_allclose(m.q, start + share[:, None] * (end - start), atol=1e-12)
+
+
+def test_torque_carries_the_load():
+    m = movement.from_postures([0, 1], np.zeros((2, 4)), dt=0.1)
+    empty, full = movement.torque(m), movement.torque(m, 500.0)
+    lever = full[0, 3] - empty[0, 3]
+    bucket = BACKHOE.bucket
+    pitch = sum(link.angle_offset for link in BACKHOE.links[:2]) + bucket.com_angle
+    assert lever == pytest.approx(500 * 9.81 * bucket.com_radius * np.cos(pitch))
+
+
+POSTURES = np.zeros((3, 4))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([0, 1, 2], np.zeros((2, 4))), r"postures must have shape \(3, 4\)"),
+        (([0, 2, 1], POSTURES), "times must rise from 0"),
+        (([1, 2, 3], POSTURES), "times must rise from 0"),
+        (([0.0], POSTURES[:1]), "2 or more finite times"),
+        (([0, np.nan, 2], POSTURES), "finite times"),
+        (([0, 1, 2.0005], POSTURES), "multiples of dt"),
+        (([0, 1, 2], POSTURES, 0.0), "dt must be a positive time"),
+        (([0, 1, 2], POSTURES * np.nan), "finite"),
+        (([0, 1, 2], POSTURES, 0.1, BACKHOE, [3]), "indices of the 3 way-points, got 3"),
+        (([0, 1], np.radians([[0, 0, 0, 0], [0, 0, 0, 130]])), "bucket would be at 130.0 deg"),
+        (([0, 1], np.radians([[0, 0, 0, 0], [90, 0, 0, 0]])), "swing would turn at 2.9"),
+    ],
+)
+def test_bad_way_points_are_named(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        movement.from_postures(*arguments)
+
+
+def test_a_target_out_of_reach_is_named():
+    with pytest.raises(ValueError, match="outside the reach"):
+        movement.from_targets([0, 5], [[5.0, 0.0, 3.0, 0.0], [15.0, 0.0, 3.0, 0.0]])
+
+
+def test_the_advice_on_speed_is_enough():
+    """Taking as many times as long as the message says brings the joint to its limit."""
+    turn = np.radians([[0, 0, 0, 0], [90, 0, 0, 0]])
+    with pytest.raises(ValueError, match="take") as caught:
+        movement.from_postures([0, 1], turn)
+    factor = float(str(caught.value).split("take ")[1].split(" times")[0])
+    slower = movement.from_postures([0, round(factor + 0.005, 2)], turn)
+    assert slower.speed.max() == pytest.approx(BACKHOE.speed_limit[0], rel=0.01)
+
+
+T = np.arange(4) / 10
+ZEROS = np.zeros((4, 4))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"t": T[::-1]}, "t must rise, got 0.3 s and then 0.2 s"),
+        ({"t": np.array([0, 0.1, 0.1, 0.2])}, "t must rise"),
+        ({"t": np.array([0, 0.1, 0.2, 0.4])}, "evenly spaced"),
+        ({"q": np.where(np.eye(4) > 0, np.nan, 0)}, "q must be finite, it is not in row 0"),
+        ({"dq": np.zeros((3, 4))}, r"dq must have shape \(4, 4\)"),
+        ({"t": T[:0]}, "n at least 2"),
+        ({"t": 1.0}, r"t must have shape \(n,\)"),
+        ({"ddq": "fast"}, "ddq must be numbers"),
+    ],
+)
+def test_a_malformed_movement_is_refused(change, message):
+    good = Movement(T, ZEROS, ZEROS, ZEROS)
+    with pytest.raises(ValueError, match=message):
+        replace(good, **change)

@@ -1,0 +1,303 @@
+"""What the thesis prints of its stability analysis, judged by its own definitions."""
+
+import numpy as np
+import pytest
+
+from backhoe.arm import dynamics, lyapunov
+from backhoe.lessons import published
+from backhoe.lessons.lyapunov_pid import inequalities, printed
+from backhoe.machine import BACKHOE, replace
+
+EQ_333, TABLE_31 = (published.load(f"mastalli_2013_{name}") for name in ("eq_333", "table_31"))
+NUMBERS = published.load("mastalli_2013_arm_constants")
+GAINS = tuple(np.array(EQ_333[name]) for name in ("K_p", "K_d", "K_i"))
+EVEN = (np.full(4, 9e5), np.full(4, 1e6), np.full(4, 5e4))
+ALPHA, COUNT = 1.5, 10_000
+FLOATING = replace(BACKHOE, gravity=0.0)
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(35)
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return lyapunov.constants(domain="torus")
+
+
+@pytest.fixture
+def thesis(exact):
+    """The constants with which the thesis worked, as far as it prints them."""
+    return exact.replace(kg=NUMBERS["gravity"]["k_g"], kc1=NUMBERS["coriolis"]["k_C1"])
+
+
+def poles(rate, goal, *alpha):
+    """Eigenvalues of the closed loop linearised at rest in the goal, (12,) [1/s]."""
+    x = 1e-6 * np.eye(12).reshape(12, 3, 4).transpose(1, 0, 2)
+    ahead, behind = (
+        np.concatenate(rate(*(sign * x), goal, *GAINS, *alpha), axis=-1) for sign in (1, -1)
+    )
+    return np.linalg.eigvals((ahead - behind).T / 2e-6)
+
+
+# (3.5), (3.7)
+
+
+def test_printed_35_and_37_differ_from_the_closed_loop_in_the_damping_alone(rng):
+    z, error, dq, goal = rng.normal(size=(4, 50, 4))
+    pushed = 2 * np.linalg.solve(dynamics.mass_matrix(goal - error), (GAINS[1] * dq)[..., None])
+    pushed = pushed[..., 0]
+    w = ALPHA * z + error
+    right = lyapunov.closed_loop_rate(w, error, dq, goal, *GAINS, ALPHA)
+    in_w = printed.closed_loop_rate_37(w, error, dq, goal, *GAINS, ALPHA)
+    in_z = printed.closed_loop_rate_35(z, error, dq, goal, *GAINS)
+    for ours, theirs in zip(right[:2], in_w[:2], strict=True):
+        np.testing.assert_allclose(theirs, ours)
+    np.testing.assert_array_equal(in_z[0], error)
+    for ddq in (in_w[2], in_z[2]):
+        np.testing.assert_allclose(ddq - pushed, right[2], rtol=1e-9, atol=1e-8)
+
+
+def test_printed_37_is_unstable_everywhere_and_the_corrected_one_nowhere(rng):
+    for goal in rng.uniform(-np.pi, np.pi, (40, 4)):
+        assert poles(printed.closed_loop_rate_35, goal).real.max() > 100
+        assert poles(printed.closed_loop_rate_37, goal, ALPHA).real.max() > 100
+        assert poles(lyapunov.closed_loop_rate, goal, ALPHA).real.max() < 0
+
+
+def test_printed_38_rises_along_motions_and_does_not_have_the_derivative_of_318(rng):
+    w, error, dq = rng.normal(size=(3, 1000, 4)) * np.array([0.3, 0.2, 0.5])[:, None, None]
+    goal = rng.uniform(BACKHOE.lower, BACKHOE.upper, (1000, 4))
+    state, rates = (w, error, dq), lyapunov.closed_loop_rate(w, error, dq, goal, *GAINS, ALPHA)
+
+    def change(V):
+        ahead, behind = (
+            V(*(x + h * rate for x, rate in zip(state, rates, strict=True)), goal, *GAINS, ALPHA)
+            for h in (1e-6, -1e-6)
+        )
+        return (ahead - behind) / 2e-6
+
+    formula = lyapunov.derivative(error, dq, goal, *GAINS, ALPHA)
+    np.testing.assert_allclose(change(lyapunov.function), formula, rtol=1e-5, atol=1e-2)
+    assert formula.max() < 0
+    assert np.mean(change(printed.function_38) > 0) > 0.05
+    assert np.median(np.abs(change(printed.function_38) / formula - 1)) > 0.2
+
+
+def test_printed_derivative_of_v_does_not_belong_to_printed_37(rng):
+    w, error, dq, goal = rng.normal(size=(4, 300, 4))
+    h, claimed = 1e-6, lyapunov.derivative(error, dq, goal, *GAINS, ALPHA)
+    rates = printed.closed_loop_rate_37(w, error, dq, goal, *GAINS, ALPHA)
+    ahead, behind = (
+        lyapunov.function(
+            w + t * rates[0], error + t * rates[1], dq + t * rates[2], goal, *GAINS, ALPHA
+        )
+        for t in (h, -h)
+    )
+    assert (np.abs((ahead - behind) / (2 * h) - claimed) > 0.1 * np.abs(claimed)).mean() > 0.9
+
+
+# (3.10), (3.12)
+
+
+def test_printed_310_is_not_an_energy(rng):
+    error, goal = rng.normal(size=(2, 20, 4))
+    Kp, Kd, Ki = GAINS
+    still = np.zeros(4)
+    V = lyapunov.function(still, error, still, goal, *GAINS, ALPHA)
+    term = V - inequalities.quadratic_part(still, error, still, goal, Kd, Ki, ALPHA)
+    sums = printed.term_310(error, goal, Kp, Ki, ALPHA)
+    assert sums.shape == (20, 4)
+    assert (np.ptp(sums, axis=-1) > 1e3).all()
+    at_rest = printed.term_310(still, goal, Kp, Ki, ALPHA)
+    np.testing.assert_allclose(at_rest, 2 * dynamics.gravity_torque(goal))
+    assert (np.abs(sums - term[:, None]).max(axis=-1) > 1e3).all()
+
+
+def test_printed_rewriting_of_312_passes_gains_that_leave_no_stiffness(exact):
+    kp, ki = np.full(4, exact.kg + 2e5), np.full(4, 1e5)
+    assert printed.kp_condition_312(kp, ki, exact)
+    small_alpha = 0.2
+    assert (kp - ki / small_alpha).min() < exact.kg
+    low = lyapunov.check_gains(kp, EVEN[1], ki, constants=exact).alpha_low
+    assert low == pytest.approx(0.5)
+
+
+# (3.17)
+
+
+def test_317_is_enough_for_the_exact_condition_but_loses_the_condition_number(exact):
+    high = printed.alpha_high_317(EVEN[1], exact)
+    assert lyapunov.matrix_condition(EVEN[1], high, domain="torus") > 0
+    needed = EVEN[1].min() / exact.lambda_max
+    assert lyapunov.matrix_condition(EVEN[1], 0.999 * needed, domain="torus") > 0
+    assert lyapunov.matrix_condition(EVEN[1], 1.001 * needed, domain="torus") < 0
+    assert needed / high == pytest.approx(exact.lambda_max / exact.lambda_min)
+    assert needed / high > 800
+
+
+def test_the_condition_number_over_all_angles_is_in_the_hundreds(rng):
+    ends = np.linalg.eigvalsh(dynamics.mass_matrix(rng.uniform(-np.pi, np.pi, (COUNT, 4))))
+    number = ends[:, -1] / ends[:, 0]
+    assert number.min() > 100 and number.max() < 860
+    assert np.median(number) == pytest.approx(223, abs=10)
+
+
+# (3.22), (3.23), (3.24)
+
+
+def test_printed_322_fails_more_often_the_slower_the_arm_moves(rng, exact):
+    goal, error = rng.uniform(-np.pi, np.pi, (COUNT, 4)), rng.normal(size=(COUNT, 4)) / 2
+    direction = rng.normal(size=(COUNT, 4))
+    shares = []
+    for size in (1.0, 0.1, 0.01, 0.001):
+        dq = size * direction
+        speed, far = np.linalg.norm(dq, axis=-1), np.linalg.norm(error, axis=-1)
+        turning = lyapunov.derivative_terms(error, dq, goal, *EVEN, ALPHA)[:, 2]
+        shares.append((turning > ALPHA * exact.kc1 * speed * speed**2).mean())
+        assert (turning <= ALPHA * exact.kc1 * far * speed**2).all()
+    assert shares == sorted(shares)
+    assert shares[0] < 0.01 and shares[-1] > 0.4
+
+
+def test_printed_320_can_be_below_the_derivative_of_v(rng):
+    """Without gravity k_g = 0 and (3.21) is exact for equal gains, so that (3.22) stands alone."""
+    c = lyapunov.constants(domain="torus", machine=FLOATING)
+    q = rng.uniform(-np.pi, np.pi, (COUNT, 4))
+    heavy = np.linalg.eigh(dynamics.mass_matrix(q))[1][..., -1]
+    dq = 0.1 * (heavy + 0.3 * rng.normal(size=(COUNT, 4)))
+    turn = np.einsum("ni,nkij,nj->nk", dq, dynamics.mass_matrix_derivative(q), dq)
+    error = -3 * turn / np.linalg.norm(turn, axis=-1, keepdims=True)
+    slope = lyapunov.derivative(error, dq, q + error, *EVEN, ALPHA, machine=FLOATING)
+    below = slope > printed.derivative_bound_320(error, dq, *EVEN, ALPHA, c)
+    assert below.mean() > 0.03
+    assert (slope <= inequalities.derivative_bound(error, dq, *EVEN, ALPHA, c)).all()
+
+
+def test_printed_322_is_the_corrected_one_with_the_speed_in_place_of_the_error(rng, exact):
+    x = rng.normal(size=(30, 4))
+    _, right = inequalities.rate_weights(x, *GAINS, ALPHA, exact)
+    np.testing.assert_allclose(printed.weight_322(x, GAINS[1], ALPHA, exact), right)
+
+
+def test_printed_323_has_kp_where_324_has_kd(exact):
+    still = np.zeros(4)
+    low, high = printed.alpha_limits_323(still, GAINS[0], GAINS[2], exact)
+    assert low == pytest.approx(lyapunov.check_gains(*GAINS, constants=exact).alpha_low)
+    assert high == pytest.approx(GAINS[0].min() / exact.lambda_max)
+    at_324 = printed.speed_bound_324(*GAINS, exact)
+    edge = np.array([max(at_324, 0.0), 0.0, 0.0, 0.0])
+    from_kd = GAINS[1].min() / (exact.lambda_max + exact.kc1 * edge[0])
+    assert (at_324 < 0) == (low > GAINS[1].min() / exact.lambda_max)
+    assert from_kd != pytest.approx(high)
+
+
+def test_the_right_side_of_324_is_the_region_of_the_position_error(exact):
+    kp, kd, ki = np.full(4, 9e5), np.full(4, 1e6), np.full(4, 5e3)
+    certificate = lyapunov.check_gains(kp, kd, ki, constants=exact)
+    assert certificate.holds
+    assert printed.speed_bound_324(kp, kd, ki, exact) == pytest.approx(certificate.region)
+    _, edge = inequalities.rate_weights(
+        [certificate.region, 0, 0, 0], kp, kd, ki, certificate.alpha_low, exact
+    )
+    assert edge == pytest.approx(0.0, abs=1e-6 * kd[0])
+
+
+def test_324_counts_no_seconds():
+    """A slower clock leaves a bound on a speed smaller, but not the right side of (3.24)."""
+    slow = 10.0  # new seconds are ten old ones: torques 100, K_d 10, K_i 1000 times as large
+    once, later = (
+        lyapunov.constants(domain="torus", machine=machine)
+        for machine in (BACKHOE, replace(BACKHOE, gravity=BACKHOE.gravity * slow**2))
+    )
+    kp, kd, ki = np.full(4, 9e5), np.full(4, 1e6), np.full(4, 5e3)
+    here = printed.speed_bound_324(kp, kd, ki, once)
+    there = printed.speed_bound_324(kp * slow**2, kd * slow, ki * slow**3, later)
+    assert there == pytest.approx(here)
+
+
+# (3.31) to (3.34)
+
+
+def test_the_printed_constants_are_their_recipes(thesis):
+    gravity, coriolis, n = NUMBERS["gravity"], NUMBERS["coriolis"], NUMBERS["n"]
+    assert gravity["k_g"] == n * gravity["largest_slope"]
+    assert coriolis["k_C1"] == pytest.approx(n**2 * coriolis["largest_symbol"])
+    assert NUMBERS["conclusions"]["K_p_above"] == gravity["k_g"]
+
+
+def test_the_printed_slope_of_gravity_is_below_that_of_almost_all_postures(rng):
+    q = rng.uniform(BACKHOE.lower, BACKHOE.upper, (COUNT, 4))
+    slope = lyapunov.profile(q[:2000]).slope
+    assert (slope < NUMBERS["gravity"]["largest_slope"]).mean() < 0.005
+    assert np.median(slope) > 5 * NUMBERS["gravity"]["largest_slope"]
+
+
+def test_the_printed_ratio_is_impossible_for_any_posture(rng):
+    profile = lyapunov.profile(rng.uniform(-np.pi, np.pi, (2000, 4)))
+    assert profile.ratio.min() > 40 * NUMBERS["inertia"]["local_ratio"]
+    swing, boom, stick, bucket = BACKHOE.swing, *BACKHOE.links
+    yaw = swing.inertia + boom.inertia + stick.inertia + swing.mass * swing.com_radius**2
+    tip = bucket.mass * bucket.com_radius**2 + bucket.inertia
+    assert yaw**2 / tip > 6 * NUMBERS["inertia"]["local_ratio"]
+
+
+def test_the_printed_bound_on_kd_needs_a_ratio_that_is_impossible_too(thesis):
+    wanted = NUMBERS["conclusions"]["K_d_above"]
+    needed = wanted / printed.kd_bound_334(GAINS[0], GAINS[2], thesis.replace(ratio=1.0))
+    assert needed == pytest.approx(175790, abs=5)
+    assert needed == pytest.approx(NUMBERS["inertia"]["local_ratio"], rel=0.08)
+    assert thesis.ratio > 600 * needed
+
+
+def test_with_the_exact_constants_the_bound_on_kd_is_a_thousand_times_as_large(exact):
+    bound = printed.kd_bound_334(GAINS[0], GAINS[2], exact)
+    assert bound == pytest.approx(3.54e8, rel=1e-2)
+    assert bound > 1000 * NUMBERS["conclusions"]["K_d_above"]
+
+
+def test_the_two_printings_of_the_gains_differ_in_two_entries():
+    differences = [
+        (name, j)
+        for name in ("K_p", "K_d", "K_i")
+        for j in range(4)
+        if EQ_333[name][j] != TABLE_31[name][j]
+    ]
+    assert differences == [("K_d", 0), ("K_i", 3)]
+    assert EQ_333["K_d"][0] == 10 * TABLE_31["K_d"][0]
+
+
+def test_table_31_breaks_the_bound_that_the_thesis_derives_for_it():
+    bound = NUMBERS["conclusions"]["K_d_above"]
+    assert min(EQ_333["K_d"]) > bound > min(TABLE_31["K_d"])
+
+
+def test_the_printed_speed_bound_is_ten_times_what_its_formula_can_give(thesis):
+    at_most = np.degrees(printed.speed_bound_324(*GAINS, thesis.replace(lambda_max=0.0)))
+    printed_bound = NUMBERS["conclusions"]["speed_bound_deg"]
+    assert at_most == pytest.approx(115.4, abs=0.1)
+    assert printed_bound / at_most == pytest.approx(10, rel=0.01)
+    own = np.degrees(printed.speed_bound_324(*GAINS, thesis))
+    assert own == pytest.approx(46.4, abs=0.1)
+    assert own < NUMBERS["movement"]["largest_speed_deg"]
+
+
+# (A.8)
+
+
+def test_printed_a8_never_holds_and_its_reverse_always(rng, exact):
+    q, x, y = rng.uniform(-np.pi, np.pi, (3, COUNT, 4))
+    for recipe in ("tight", "printed"):
+        c = lyapunov.constants(domain="torus", recipe=recipe)
+        assert not printed.coriolis_bound_a8(q, x, y, c).any()
+
+
+def test_bad_states_and_gains_are_refused(exact):
+    zero = np.zeros(4)
+    with pytest.raises(ValueError, match="dq must end in 4 joints"):
+        printed.weight_322(np.zeros(3), GAINS[1], ALPHA, exact)
+    with pytest.raises(ValueError, match="K_d must be positive definite"):
+        printed.closed_loop_rate_35(zero, zero, zero, zero, GAINS[0], -GAINS[1], GAINS[2])
+    with pytest.raises(ValueError, match="alpha must be a positive number"):
+        printed.closed_loop_rate_37(zero, zero, zero, zero, *GAINS, 0.0)

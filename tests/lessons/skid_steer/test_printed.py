@@ -1,0 +1,104 @@
+"""Chapter 2's wrong formulas, judged by what any right one must satisfy."""
+
+import numpy as np
+import pytest
+
+from backhoe.lessons.skid_steer import printed
+from backhoe.vehicle import skid_steer
+from backhoe.vehicle.skid_steer import HUSKY, PROVENANCE, replace
+from units import UNITS, in_units
+
+OTHER = {"kg": 3.0, "m": 0.4, "s": 1.7}
+
+
+def converts_as(quantity, exponents):
+    """Whether quantity(vehicle, length unit, time unit) scales as kg^a m^b s^c."""
+    a, b, c = exponents
+    here = quantity(HUSKY, 1.0, 1.0)
+    there = quantity(in_units(HUSKY, **OTHER), OTHER["m"], OTHER["s"])
+    factor = OTHER["kg"] ** a * OTHER["m"] ** b * OTHER["s"] ** c
+    return here == pytest.approx(there * factor, rel=1e-9)
+
+
+FORCE, MOMENT, RATE = (1, 1, -2), (1, 2, -2), (0, 0, -1)
+
+
+def test_213b_as_printed_is_a_force_and_repaired_a_moment():
+    def as_printed(vehicle, _, s):
+        return float(printed.moment_213b(0.5 * s, vehicle))
+
+    def repaired(vehicle, _, s):
+        return skid_steer.rates(vehicle).drag_omega * vehicle.inertia * 0.5 * s
+
+    assert converts_as(as_printed, FORCE)
+    assert not converts_as(as_printed, MOMENT)
+    assert converts_as(repaired, MOMENT)
+
+
+def test_213b_repaired_is_what_four_wheels_add_up_to():
+    omega = 0.5
+    slip = skid_steer.contact_velocity([0.0, 0.0, omega])[:, 1]
+    force = HUSKY.loads * HUSKY.lateral * slip
+    moment = HUSKY.positions[:, 0] @ force
+    assert skid_steer.rates().drag_omega * HUSKY.inertia * omega == pytest.approx(moment)
+    assert printed.moment_213b(omega) != pytest.approx(moment, rel=0.1)
+
+
+def test_214_as_printed_is_no_torque():
+    def left(vehicle, m, s):
+        u = np.array([1.0 / m * s, 0.5 * s])
+        return float(printed.torque_214(u, 0.3 / m * s, 0.1 * s, vehicle)[0])
+
+    assert not converts_as(left, MOMENT)
+    assert converts_as(left, (1, 3, -2))  # N m^2: one length too many
+
+
+def test_214_lacks_the_division_by_the_wheel_radius():
+    u, v, omega = np.array([1.0, 0.5]), 0.3, 0.1
+    wheels = skid_steer.wheel_speeds([v, omega])
+    wanted = skid_steer.wheel_speeds(u)
+    right = HUSKY.speed_gain * (wanted - wheels)
+    assert np.array(printed.torque_214(u, v, omega)) / HUSKY.wheel_radius == pytest.approx(right)
+
+
+@pytest.mark.parametrize("entry", [(1, 1), (3, 3)])
+def test_216_as_printed_has_no_rates_in_a(entry):
+    def one(vehicle, _, __):
+        return float(printed.state_space_216(vehicle).A[entry])
+
+    def repaired(vehicle, _, __):
+        return float(skid_steer.state_space(vehicle).A[entry])
+
+    assert not converts_as(one, RATE)
+    assert converts_as(repaired, RATE)
+
+
+def test_216_as_printed_lacks_a_wheel_a_side_and_one_radius():
+    free = replace(HUSKY, rolling=0.0, lateral=0.0)
+    ratio = (
+        skid_steer.state_space(free).A[[1, 3], [1, 3]]
+        / printed.state_space_216(free).A[[1, 3], [1, 3]]
+    )
+    assert ratio == pytest.approx([2 / HUSKY.wheel_radius] * 2)
+
+
+def test_212_and_217_agree_with_the_repaired_model():
+    """m dv = F_R + F_L - R_x and I domega = (F_R - F_L) c - M_r, and every state is measured."""
+    u, v, omega = np.array([1.0, 0.5]), 0.3, 0.1
+    torque = HUSKY.speed_gain * (skid_steer.wheel_speeds(u) - skid_steer.wheel_speeds([v, omega]))
+    left, right = 2 * torque / HUSKY.wheel_radius
+    weight = HUSKY.mass * HUSKY.gravity
+    resistance = weight * HUSKY.rolling * v
+    moment = weight * HUSKY.lateral * HUSKY.front * HUSKY.rear * omega
+    A, B, C, D = skid_steer.state_space()
+    found = A @ [0, v, 0, omega] + B @ u
+    assert found[1] * HUSKY.mass == pytest.approx(right + left - resistance)
+    turning = (right - left) * HUSKY.half_track - moment
+    assert found[3] * HUSKY.inertia == pytest.approx(turning)
+    assert np.array_equal(C, np.eye(4))
+    assert np.array_equal(printed.state_space_216().C, C)
+    assert np.array_equal(printed.state_space_216().D, D)
+
+
+def test_the_scaling_of_units_covers_every_field():
+    assert set(UNITS) <= set(PROVENANCE)

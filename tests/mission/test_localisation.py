@@ -1,0 +1,212 @@
+"""Driving on one's own estimate: the library's, a student's, what a poor one costs, calm errors."""
+
+import numpy as np
+import pytest
+
+from backhoe import mission
+from backhoe.localisation import fusion
+from backhoe.machine import BACKHOE
+from backhoe.vehicle import tracking
+
+R, L = BACKHOE.tracks.sprocket_radius, BACKHOE.tracks.gauge
+_TURN = np.linspace(-np.pi / 2, np.pi / 2, 60)
+BEND = tracking.from_points(
+    np.vstack([[0.0, 0.0], np.column_stack([1.0 + 1.5 * np.cos(_TURN), 1.5 + 1.5 * np.sin(_TURN)])])
+).with_times(0.5)
+
+
+def bend(**parts):
+    return mission.drive(**{"path": BEND, "backend": "analytic", **parts})
+
+
+def reckoning(turning=0.75, sine=np.sin, cosine=np.cos, sign=1.0):
+    def odometry(pose, left, right, dt):
+        v = R * (left + right) / 2
+        omega = sign * turning * R * (right - left) / L
+        x, y, psi = pose
+        middle = psi + omega * dt / 2
+        return x + v * dt * cosine(middle), y + v * dt * sine(middle), psi + omega * dt
+
+    return odometry
+
+
+@pytest.fixture(scope="module")
+def on_truth():
+    return bend()
+
+
+@pytest.fixture(scope="module")
+def reckoned():
+    return bend(odometry="library")
+
+
+def test_without_an_estimator_the_machine_is_told_the_truth(on_truth):
+    assert on_truth.estimate is None and on_truth.beliefs == {} and on_truth.swapped == ()
+    assert np.isnan(mission.score(on_truth).astray)
+    assert "believed" not in str(mission.score(on_truth))
+
+
+def test_on_odometry_the_log_keeps_truth_and_belief_apart(on_truth, reckoned):
+    assert reckoned.estimate.shape == reckoned.pose.shape == (len(reckoned.time), 3)
+    np.testing.assert_array_equal(reckoned.estimate, reckoned.beliefs["odometry"])
+    np.testing.assert_array_equal(reckoned.estimate[0], reckoned.pose[0])
+    assert np.abs(reckoned.estimate[1:] - reckoned.pose[1:]).max() > 0.005
+    rolled = np.diff(reckoned.pose[:, :2], axis=0) / reckoned.dt
+    np.testing.assert_allclose(
+        np.hypot(*rolled.T)[20:], np.abs(reckoned.twist[20:-1, 0]), atol=0.05
+    )
+    assert reckoned.metrics.d_mean == pytest.approx(
+        tracking.metrics(reckoned.pose[:, :2], BEND.points).d_mean
+    )
+    assert on_truth.metrics.d_mean < reckoned.metrics.d_mean
+
+
+def test_the_machine_steers_by_what_it_believes(reckoned):
+    believed = tracking.metrics(reckoned.estimate[:, :2], BEND.points)
+    assert believed.d_mean < 0.05
+
+
+def test_a_seed_repeats_the_noise_and_another_does_not(reckoned):
+    np.testing.assert_array_equal(bend(odometry="library").pose, reckoned.pose)
+    assert (bend(odometry="library", seed=1).pose[50] != reckoned.pose[50]).any()
+
+
+def test_the_librarys_own_parts_handed_in_change_nothing(reckoned):
+    again = bend(odometry=fusion.Odometer())
+    np.testing.assert_array_equal(again.pose, reckoned.pose)
+    assert again.swapped == ("odometry",)
+    library = bend(localisation="library", fixes=2.0)
+    handed = bend(localisation=fusion.Localiser(), fixes=2.0)
+    np.testing.assert_array_equal(library.pose, handed.pose)
+    assert handed.swapped == ("localisation",) and library.swapped == ()
+
+
+def test_a_students_odometry_written_out_agrees_with_the_librarys(reckoned):
+    own = bend(odometry=reckoning())
+    np.testing.assert_allclose(own.pose, reckoned.pose, atol=1e-4)
+    score = mission.score(own)
+    assert score.distance == pytest.approx(score.reference.distance, rel=1e-2)
+    assert "swapped in: odometry" in str(score) and "library" in str(score)
+
+
+def test_of_both_the_localisation_counts_and_the_odometry_runs_beside(reckoned):
+    both = bend(odometry="library", localisation="library", fixes=2.0)
+    np.testing.assert_array_equal(both.estimate, both.beliefs["localisation"])
+    assert tuple(both.beliefs) == ("odometry", "localisation")
+    assert (both.beliefs["odometry"] != both.beliefs["localisation"]).any()
+
+
+def test_fixes_keep_the_belief_near_the_truth():
+    free, fixed = (bend(localisation="library", fixes=fixes, seed=4) for fixes in (None, 1.0))
+    assert mission.score(fixed).astray < 0.06
+    assert mission.score(fixed).astray < mission.score(free).astray
+
+
+def test_a_library_drive_on_its_estimate_stands_beside_one_on_the_truth(reckoned):
+    score = mission.score(reckoned)
+    assert score.reference.distance < score.distance
+    assert "on truth" in str(score)
+    assert score.astray > 0 and np.isnan(score.reference.astray)
+    last = str(score).splitlines()[-2:]
+    assert last[0].startswith("believed place off [cm]") and last[0].split()[-1] == "0.0"
+
+
+# What a poor part costs
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        reckoning(sign=-1.0),
+        reckoning(sine=np.cos, cosine=np.sin),
+        lambda pose, left, right, dt: pose,
+    ],
+    ids=["left and right swapped", "sine and cosine swapped", "stands still"],
+)
+def test_a_gross_mistake_is_plain_to_see_in_the_score(wrong):
+    score = mission.score(bend(odometry=wrong))
+    library = score.reference
+    assert score.distance > 5 * library.distance or score.way < 0.5 * library.way
+    assert score.astray > 2.5 * library.astray
+    assert library.distance < 0.1 and not score.reached
+
+
+def test_odometry_that_does_not_know_of_the_slip_leaves_the_path():
+    score = mission.score(bend(odometry=reckoning(turning=1.0)))
+    assert score.askew > 0.15 > 3 * score.reference.askew
+    assert score.farthest > 2 * score.reference.farthest
+
+
+# Errors
+
+
+def no_pose(*_):
+    return 1.0, 2.0
+
+
+@pytest.mark.parametrize(
+    "arguments, error, message",
+    [
+        ({"odometry": no_pose}, ValueError, r"your odometry must return shape \(3,\), got \(2,\)"),
+        ({"odometry": lambda a: a}, TypeError, "your odometry failed: .*It is odometry"),
+        (
+            {"localisation": lambda *_: (0.0, np.nan, 0.0)},
+            ValueError,
+            "your localisation returned a value that is not finite",
+        ),
+        ({"localisation": 3.0}, TypeError, r"localisation must be a function: localisation\(left"),
+        (
+            {"localisation": fusion.Localiser},
+            TypeError,
+            "localisation is the class Localiser: make one",
+        ),
+        ({"odometry": "mine"}, ValueError, "odometry must be a function or 'library'"),
+        ({"fixes": 1.0}, ValueError, "fixes are for a localisation"),
+        ({"odometry": "library", "fixes": 1.0}, ValueError, "fixes are for a localisation"),
+        ({"localisation": "library", "fixes": 0.0}, ValueError, "fixes must be one number above 0"),
+    ],
+)
+def test_what_breaks_its_promise_is_named(arguments, error, message):
+    with pytest.raises(error, match=message):
+        bend(time_limit=0.1, **arguments)
+
+
+def test_a_part_cannot_change_what_it_is_shown(reckoned):
+    def meddling(pose, left, right, dt):
+        answer = fusion.Odometer()(pose, left, right, dt)
+        pose[:] = np.nan
+        return answer
+
+    np.testing.assert_array_equal(bend(odometry=meddling).pose, reckoned.pose)
+
+
+def test_a_localisation_begins_where_the_machine_stands():
+    class Waiting:
+        def reset(self, pose):
+            self.pose = pose
+
+        def __call__(self, left, right, yaw_rate, fix, dt):
+            return self.pose
+
+    start = np.array([1.0, -2.0, 0.5])
+    run = bend(localisation=Waiting(), pose=start, time_limit=0.1)
+    np.testing.assert_array_equal(run.estimate, np.tile(start, (len(run.time), 1)))
+
+
+def test_a_plant_without_tracks_has_no_encoders_to_believe():
+    from backhoe.vehicle.tracking import IdealPlant
+
+    with pytest.raises(ValueError, match="need encoders on tracks: drive the machine, not a Ideal"):
+        mission.drive(path=BEND, plant=IdealPlant(), odometry="library")
+
+
+def test_a_drive_on_an_estimate_is_replayed():
+    run = bend(odometry="library", record=True, time_limit=0.5)
+    nodes = {node.name: node for node in run.replay().recording.nodes}
+    np.testing.assert_allclose(nodes["undercarriage"].values[-1], run.pose[-1])
+
+
+def test_the_list_of_parts_tells_both_calls():
+    table = mission.parts(mission.DRIVE_PARTS)
+    assert "odometry(pose, left, right, dt) -> pose" in table
+    assert "localisation(left, right, yaw_rate, fix, dt) -> pose" in table

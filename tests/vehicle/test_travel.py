@@ -1,0 +1,425 @@
+"""Travelling: the two PI loops, their step models, and the machine on its tracks as a plant."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+from backhoe import simulation
+from backhoe.arm import dynamics
+from backhoe.basics.se2 import sides_of_twist
+from backhoe.lessons import published
+from backhoe.machine import BACKHOE, replace
+from backhoe.simulation.tracked_plant import TrackedPlant
+from backhoe.simulation.urdf import urdf
+from backhoe.vehicle import travel
+from backhoe.vehicle.travel import StepModel, VelocityPI
+
+TRACK = BACKHOE.tracks
+WIDE = replace(BACKHOE, tracks=replace(TRACK, gauge=2.6))
+LOOPS = [
+    StepModel(19.5e3, 240e3, 180e3),
+    StepModel(60e3, 100e3, 180e3),
+    StepModel(10.0, 40.0, 40.0),
+    StepModel(20.0, 30.0, 6.0, 12.0),
+    StepModel(5.0, 20.0, 15.0, 3.75),
+]
+
+
+# The control law
+
+
+def test_translation_pushes_both_tracks_alike_and_rotation_against_each_other():
+    assert travel.belt_forces(3.0, 0.0) == (3.0, 3.0)
+    assert travel.belt_forces(0.0, 2.0) == (-2.0, 2.0)
+    controller = VelocityPI(limit=np.inf)
+    left, right = controller(0.0, 0.1, 0.0, 0.0, 0.02)
+    assert right == -left > 0
+
+
+def test_the_printed_gains_are_those_of_table_32():
+    kp, ki = travel.GAINS
+    table = published.load("mastalli_2013_table_32")
+    assert list(kp) == [table["translation"]["kp"], table["rotation"]["kp"]]
+    assert list(ki) == [table["translation"]["ki"], table["rotation"]["ki"]]
+    np.testing.assert_array_equal(VelocityPI().kp, kp)
+
+
+@pytest.mark.parametrize("machine", [BACKHOE, WIDE])
+def test_with_the_lever_it_is_a_pi_on_each_tracks_own_error(machine):
+    gauge, dt = machine.tracks.gauge, 0.02
+    controller = VelocityPI(limit=np.inf, lever=gauge / 2)
+    (kp, _), (ki, _) = travel.GAINS
+    rng = np.random.default_rng(3)
+    sums = np.zeros(2)
+    for _ in range(20):
+        v_ref, omega_ref, v, omega = rng.uniform(-1, 1, 4)
+        errors = np.array(travel.track_errors(v_ref - v, omega_ref - omega, gauge))
+        sums += errors * dt
+        forces = controller(v_ref, omega_ref, v, omega, dt)
+        np.testing.assert_allclose(forces, kp * errors + ki * sums, rtol=1e-12)
+
+
+def test_track_errors_are_those_of_the_sprockets():
+    twist_error = np.array([0.3, -0.2])
+    left, right = sides_of_twist(*twist_error, TRACK.gauge)
+    np.testing.assert_allclose(travel.track_errors(*twist_error), (left, right))
+
+
+def test_the_lever_of_this_machine_is_1_m_and_of_another_it_is_not():
+    arguments = (0.5, 0.2, 0.4, 0.1, 0.02)
+    plain = VelocityPI(limit=np.inf)(*arguments)
+    assert plain == VelocityPI(limit=np.inf, lever=TRACK.gauge / 2)(*arguments)
+    assert plain != VelocityPI(limit=np.inf, lever=WIDE.tracks.gauge / 2)(*arguments)
+
+
+def test_no_track_is_asked_for_more_than_its_drive_gives_and_turning_comes_first():
+    controller = VelocityPI()
+    left, right = controller(5.0, 0.2, 0.0, 0.0, 0.02)
+    assert max(abs(left), abs(right)) == pytest.approx(TRACK.max_traction)
+    assert (right - left) / 2 == pytest.approx(120e3 * 0.2 + 90e3 * 0.2 * 0.02)
+
+
+def test_integrals_do_not_grow_at_the_limit_and_come_back_at_once():
+    controller = VelocityPI()
+    for _ in range(500):
+        controller(2.0, 0.0, 0.0, 0.0, 0.02)
+    np.testing.assert_array_equal(controller.integral, [0.0, 0.0])
+    free = VelocityPI(limit=np.inf)
+    for _ in range(500):
+        free(2.0, 0.0, 0.0, 0.0, 0.02)
+    assert free.integral[0] == pytest.approx(20.0)
+    left, _ = controller(0.0, 0.0, 0.1, 0.0, 0.02)
+    assert left < 0 < free(0.0, 0.0, 0.1, 0.0, 0.02)[0]
+
+
+def test_reset_forgets_the_integrals():
+    controller = VelocityPI(limit=np.inf)
+    first = controller(0.3, 0.1, 0.0, 0.0, 0.02)
+    controller.reset()
+    assert controller(0.3, 0.1, 0.0, 0.0, 0.02) == first
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"kp": 120e3}, r"kp must be 2 gains \(translational, rotational\)"),
+        ({"ki": (-1.0, 0.0)}, "ki must be 2 gains .* not negative"),
+        ({"kp": (np.nan, 1.0)}, "kp must be 2 gains"),
+        ({"kp": ("a", "b")}, "kp must be 2 numbers"),
+        ({"limit": 0.0}, "limit must be a positive number, got 0.0"),
+        ({"limit": np.nan}, "limit must be a positive number"),
+        ({"lever": np.inf}, "lever must be a positive number"),
+        ({"lever": "1"}, "lever must be a positive number, got '1'"),
+    ],
+)
+def test_a_malformed_controller_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        VelocityPI(**arguments)
+
+
+def test_speeds_that_are_not_finite_and_times_that_do_not_pass_are_refused():
+    controller = VelocityPI()
+    with pytest.raises(ValueError, match="speeds must be finite"):
+        controller(np.nan, 0.0, 0.0, 0.0, 0.02)
+    with pytest.raises(ValueError, match="dt must be a positive time"):
+        controller(0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+# The step models
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+def test_the_response_solves_the_equation_of_motion(loop):
+    def rate(t, state):
+        y, integral = state
+        u = loop.kp * (1 - y) + loop.ki * integral
+        return (u - loop.damping * y) / loop.inertia, 1 - y
+
+    t = np.linspace(0, 6, 61)
+    y, integral = solve_ivp(rate, (0, 6), [0, 0], "DOP853", t, rtol=1e-11, atol=1e-12).y
+    np.testing.assert_allclose(loop.response(t), y, atol=1e-9)
+    np.testing.assert_allclose(
+        loop.effort(t), loop.kp * (1 - y) + loop.ki * integral, rtol=1e-8, atol=1e-8 * loop.kp
+    )
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+@pytest.mark.parametrize("band", [0.02, 0.05])
+def test_overshoot_and_settling_time_are_those_of_python_control(loop, band):
+    control = pytest.importorskip("control")
+    t = np.linspace(0, 20, 200_001)
+    info = control.step_info(loop.transfer(), T=t, SettlingTimeThreshold=band)
+    assert 100 * loop.overshoot == pytest.approx(info["Overshoot"], abs=1e-3)
+    assert loop.settling_time(band) == pytest.approx(info["SettlingTime"], abs=2e-3)
+
+
+def test_without_damping_the_integral_of_the_error_is_zero_so_the_step_overshoots():
+    for loop in LOOPS[:3]:
+        lacking, _ = quad(lambda t, loop=loop: 1 - loop.response(t), 0, 60, limit=500)
+        assert lacking == pytest.approx(0.0, abs=1e-6)
+        assert loop.overshoot > 0
+
+
+def test_damping_that_cancels_the_zero_leaves_no_overshoot():
+    assert LOOPS[4].overshoot < 1e-12
+    assert StepModel(10.0, 40.0, 0.0).overshoot == 0.0
+    assert StepModel(10.0, 40.0, 0.0).settling_time() == pytest.approx(10 / 40 * np.log(50))
+    assert StepModel(10.0, 40.0, 0.0, 10.0).settling_time() == np.inf
+
+
+def test_the_model_counts_both_tracks_and_the_belts_along():
+    translation, rotation = travel.model()
+    assert translation.inertia == BACKHOE.mass + 2 * TRACK.belt_mass
+    assert (translation.kp, translation.ki) == (240e3, 180e3)
+    assert rotation.kp == 120e3 * TRACK.gauge
+    assert travel.model(WIDE).rotation.kp == pytest.approx(120e3 * 2.6)
+
+
+def test_yaw_inertia_is_that_of_the_simulated_bodies(tmp_path):
+    pybullet = pytest.importorskip("pybullet")
+    client = pybullet.connect(pybullet.DIRECT)
+    path = tmp_path / "machine.urdf"
+    path.write_text(urdf(BACKHOE))
+    body = pybullet.loadURDF(str(path), useFixedBase=True, flags=2, physicsClientId=client)
+    rng = np.random.default_rng(4)
+    for _ in range(5):
+        q = rng.uniform(BACKHOE.lower, BACKHOE.upper)
+        inertia, com = travel.yaw_inertia(q)
+        M = np.array(
+            pybullet.calculateMassMatrix(body, [0.0, 0.0, 0.0, *q], physicsClientId=client)
+        )
+        np.testing.assert_allclose(M[2, :2], BACKHOE.mass * np.array([-com[1], com[0]]), atol=1e-6)
+        assert M[2, 2] == pytest.approx(inertia + BACKHOE.mass * com @ com, rel=1e-9)
+    pybullet.disconnect(client)
+
+
+def test_the_overshoot_of_table_33_belongs_to_16_t_and_its_settling_time_to_8_t():
+    table = published.load("mastalli_2013_table_33")["translation"]
+    kp, ki = (2 * gain[0] for gain in travel.GAINS)
+    by_overshoot = travel.inertia_for(kp, ki, overshoot=table["overshoot_percent"] / 100)
+    by_settling = travel.inertia_for(kp, ki, settling=table["settling_time"])
+    assert by_overshoot == pytest.approx(16.2e3, rel=0.01)
+    assert by_settling == pytest.approx(7.8e3, rel=0.01)
+    assert StepModel(by_overshoot, kp, ki).settling_time() > 3 * table["settling_time"]
+    assert StepModel(by_settling, kp, ki).overshoot < 0.6 * table["overshoot_percent"] / 100
+    with pytest.raises(ValueError, match=r"no inertia gives settling time 0\.35 s"):
+        travel.inertia_for(kp, ki, settling=table["settling_time"], band=0.05)
+
+
+def test_no_undamped_inertia_has_the_rotation_of_table_33():
+    table = published.load("mastalli_2013_table_33")["rotation"]
+    kp, ki = (TRACK.gauge * gain[1] for gain in travel.GAINS)
+    assert table["overshoot_percent"] == 0
+    for inertia in np.geomspace(1e3, 1e6, 31):
+        assert StepModel(inertia, kp, ki).overshoot > 0
+    slow = StepModel(travel.inertia_for(kp, ki, settling=table["settling_time"]), kp, ki)
+    assert slow.settling_time() == pytest.approx(table["settling_time"], abs=1e-3)
+    assert slow.overshoot > 0.02
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: StepModel(0.0, 1.0, 1.0), "StepModel.inertia must be positive"),
+        (lambda: StepModel(1.0, 1.0, -1.0), "StepModel.ki must be 0 or more"),
+        (lambda: StepModel(1.0, 1.0, 1.0).response([-1.0]), "t must be finite times"),
+        (lambda: StepModel(1.0, 1.0, 1.0).settling_time(0.0), "band must be a share"),
+        (lambda: travel.inertia_for(1.0, 1.0), "either overshoot or settling"),
+        (lambda: travel.inertia_for(1.0, 1.0, overshoot=3.0), "no inertia gives overshoot 3.0"),
+        (lambda: travel.yaw_inertia(np.zeros(3)), "q must"),
+    ],
+)
+def test_a_malformed_model_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+# The plant
+
+
+@pytest.fixture(params=["pybullet", "analytic"])
+def plant(request):
+    if request.param == "pybullet":
+        pytest.importorskip("pybullet")
+    with TrackedPlant(backend=request.param) as opened:
+        yield opened
+
+
+def drive(plant, seconds, v, omega):
+    log = []
+    for _ in range(round(seconds / plant.dt)):
+        plant.step(v, omega)
+        log.append([*plant.twist, *plant.traction, *plant.belts])
+    return np.array(log)
+
+
+def test_a_step_forwards_and_one_backwards_settle_at_their_speeds(plant):
+    ahead = drive(plant, 4.0, 1.0, 0.0)
+    assert ahead[-1, 0] == pytest.approx(1.0, abs=0.01)
+    back = drive(plant, 4.0, -1.0, 0.0)
+    assert back[-1, 0] == pytest.approx(-1.0, abs=0.01)
+    assert np.abs(ahead[:, 1]).max() < np.radians(5)
+    assert np.abs(plant.pose[1:]).max() < 0.01
+
+
+def test_turning_reaches_the_wanted_rate_while_the_belts_must_run_a_third_faster(plant):
+    log = drive(plant, 6.0, 0.0, 0.3)
+    assert log[-1, 1] == pytest.approx(0.3, abs=0.005)
+    ideal = (log[-1, 5] - log[-1, 4]) / TRACK.gauge
+    assert log[-1, 1] / ideal == pytest.approx(0.75, abs=0.05)
+
+
+def test_the_turning_moment_is_that_of_the_sliding_patches(plant):
+    log = drive(plant, 6.0, 0.0, 0.3)
+    arms = np.abs(simulation.tracks.patch_positions(BACKHOE)[:, 0]).mean()
+    lateral = TRACK.friction_lateral * BACKHOE.mass * BACKHOE.gravity * arms
+    moment = (log[-50:, 3] - log[-50:, 2]).mean() * TRACK.gauge / 2
+    assert 0.8 * lateral < moment < 1.2 * lateral
+
+
+def test_a_hard_step_asks_for_more_than_the_drives_give_and_gets_what_they_give(plant):
+    log = drive(plant, 0.1, 1.0, 0.0)
+    asked = travel.GAINS[0][0] * 1.0
+    grip = TRACK.friction_longitudinal * BACKHOE.mass * BACKHOE.gravity / 2
+    assert asked > TRACK.max_traction > grip
+    np.testing.assert_allclose(log[0, 2:4], TRACK.max_traction)
+
+
+def settling_time(speeds, wanted, dt, band=0.02):
+    return dt * (1 + np.flatnonzero(np.abs(speeds / wanted - 1) > band)[-1])
+
+
+def test_in_the_simulation_translation_settles_as_table_33_says_and_rotation_slower(plant):
+    table = published.load("mastalli_2013_table_33")
+    ahead = drive(plant, 3.0, 1.0, 0.0)[:, 0]
+    plant.reset()
+    turn = drive(plant, 7.0, 0.0, 0.3)[:, 1]
+    quick, slow = settling_time(ahead, 1.0, plant.dt), settling_time(turn, 0.3, plant.dt)
+    assert quick == pytest.approx(table["translation"]["settling_time"], abs=0.05)
+    assert slow > 5 * quick
+    # Friction takes away what a PI on a free mass overshoots; the printed 4 % do not come back.
+    assert ahead.max() < 1.005 and turn.max() < 0.3
+
+
+def test_the_small_step_is_that_of_the_model_until_the_ground_matters():
+    free = replace(BACKHOE, tracks=replace(TRACK, rolling_resistance=1e-9))
+    loop = travel.model(free).translation
+    with TrackedPlant(machine=free, backend="analytic", dt=0.002) as plant:
+        log = drive(plant, 2.0, 0.3, 0.0)
+    t = plant.dt * np.arange(1, len(log) + 1)
+    early = t < 0.3  # the belts start before the ground, and the arm gives way a little
+    np.testing.assert_allclose(log[~early, 0] / 0.3, loop.response(t[~early]), atol=0.015)
+    np.testing.assert_allclose(log[early, 0] / 0.3, loop.response(t[early]), atol=0.06)
+    assert (log[:, 0].max() / 0.3 - 1) == pytest.approx(loop.overshoot, abs=0.01)
+
+
+def test_the_arm_stays_in_its_posture(plant):
+    drive(plant, 1.0, 1.0, 0.3)
+    drive(plant, 1.0, -1.0, -0.3)
+    np.testing.assert_allclose(plant.q, travel.POSTURE, atol=np.radians(1.5))
+
+
+def test_both_backends_travel_alike():
+    pytest.importorskip("pybullet")
+    poses = []
+    for backend in ("pybullet", "analytic"):
+        with TrackedPlant(backend=backend) as plant:
+            drive(plant, 2.0, 0.8, 0.25)
+            poses.append(plant.pose)
+    np.testing.assert_allclose(poses[0], poses[1], atol=1e-9)
+
+
+def test_a_reset_plant_repeats_bit_for_bit(plant):
+    first = drive(plant, 0.6, 0.5, 0.2)
+    plant.reset()
+    assert plant.time == 0.0
+    np.testing.assert_array_equal(drive(plant, 0.6, 0.5, 0.2), first)
+
+
+def test_a_start_elsewhere_is_the_same_drive_turned():
+    start = np.array([2.0, -1.0, 2.5])
+    with (
+        TrackedPlant(backend="analytic", pose=start) as turned,
+        TrackedPlant(backend="analytic") as plain,
+    ):
+        for plant in (turned, plain):
+            drive(plant, 1.0, 0.6, 0.2)
+        np.testing.assert_allclose(turned.twist, plain.twist, atol=1e-9)
+        assert turned.lateral_speed == pytest.approx(plain.lateral_speed, abs=1e-9)
+        assert turned.pose[2] - 2.5 == pytest.approx(plain.pose[2])
+        turned.reset()
+        np.testing.assert_array_equal(turned.pose, start)
+
+
+def test_a_given_world_is_driven_as_it_stands_and_left_open():
+    with simulation.open_world(backend="analytic", soil=False) as world:
+        q = world.q
+        with TrackedPlant(world) as plant:
+            drive(plant, 0.2, 0.5, 0.0)
+        np.testing.assert_allclose(world.q, q, atol=0.02)
+        world.step(dynamics.gravity_torque(world.q))
+
+
+def test_a_given_world_brings_its_machine_along():
+    with (
+        simulation.open_world(backend="analytic", soil=False) as world,
+        pytest.raises(ValueError, match="machine, backend and scene are those of the given world"),
+    ):
+        TrackedPlant(world, machine=WIDE)
+
+
+def test_a_malformed_start_is_refused():
+    with pytest.raises(ValueError, match="pose must be 3 finite numbers"):
+        TrackedPlant(backend="analytic", pose=(0.0, np.nan, 0.0))
+    with pytest.raises(ValueError, match="q must"):
+        TrackedPlant(backend="analytic", posture=np.zeros(3))
+
+
+@pytest.mark.parametrize(
+    ("controller", "error", "message"),
+    [
+        (lambda *_: (1.0, 2.0, 3.0), ValueError, "controller must return 2 finite forces"),
+        (lambda *_: (np.nan, 0.0), ValueError, "controller must return 2 finite forces"),
+        (lambda *_: "go", ValueError, "controller must return 2 forces"),
+        (lambda *_: None, ValueError, "controller must return 2"),
+        (VelocityPI, TypeError, "controller must be a function or an object"),
+        (7, TypeError, "controller must be a function or an object"),
+    ],
+)
+def test_a_controller_that_breaks_its_promise_is_named(controller, error, message):
+    with (
+        pytest.raises(error, match=message),
+        TrackedPlant(backend="analytic", controller=controller) as plant,
+    ):
+        plant.step(0.1, 0.0)
+
+
+@pytest.mark.parametrize("dt", [0.0, 0.0005, 0.0215, -0.02, "0.02", np.nan, True])
+def test_a_sample_time_that_is_no_multiple_of_the_step_is_refused(dt):
+    with pytest.raises(ValueError, match="dt must be a"):
+        TrackedPlant(backend="analytic", dt=dt)
+
+
+def test_a_command_that_is_not_finite_is_refused():
+    with (
+        TrackedPlant(backend="analytic") as plant,
+        pytest.raises(ValueError, match="v and omega must be finite"),
+    ):
+        plant.step(np.nan, 0.0)
+
+
+def test_an_integral_at_the_limit_may_come_back():
+    control = travel.VelocityPI(kp=(1.0, 1.0), ki=(100.0, 0.0), limit=10.0)
+    control(0.9, 0.0, 0.0, 0.0, 0.1)
+    assert control.integral[0] == pytest.approx(0.09)
+    forces = control(-0.1, 20.0, 0.0, 0.0, 0.1)
+    assert forces == pytest.approx((-10.0, 10.0))
+    assert control.integral[0] == pytest.approx(0.08)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_no_track_is_asked_for_more_than_the_limit_in_either_turn(side):
+    control = travel.VelocityPI(kp=(1.0, 1.0), ki=(0.0, 0.0), limit=10.0)
+    left, right = control(50.0, side * 4.0, 0.0, 0.0, 0.1)
+    assert (left + right) / 2 == pytest.approx(6.0)
+    assert (right - left) / 2 == pytest.approx(side * 4.0)

@@ -4,6 +4,7 @@ import matplotlib
 import numpy as np
 import pytest
 
+from backhoe import FLOORS
 from backhoe.arm import kinematics
 from backhoe.machine import BACKHOE
 from backhoe.view import plots
@@ -15,7 +16,7 @@ PNG = b"\x89PNG\r\n"
 
 @pytest.fixture(
     params=[
-        lambda: plots.data_way("kinematics"),
+        lambda: plots.data_way("arm"),
         lambda: plots.posture(DIG),
         lambda: plots.lines([0, 1, 2], {"a": [1, 2, 3]}, "time [s]", "angle [rad]"),
     ],
@@ -106,3 +107,10 @@ def test_sliders_outside_a_notebook_leave_the_first_picture_as_text(capsys):
 
     plots.sliders(draw, {"boom": (-50, 60, 10), "stick": (-60, 60, 0)}, "an arm")
     assert asked == [(10, 0)] and capsys.readouterr().out == "an arm\n"
+
+
+def test_the_map_of_the_machine_shows_floors_of_the_library_by_their_names():
+    words = {text.get_text() for text in plots.data_way("arm").axes[0].texts}
+    for floor, question in plots.STAGES.items():
+        assert FLOORS[floor] == question and {question, floor.replace("_", " ")} <= words
+    assert set(FLOORS) - set(plots.STAGES) == {"basics", "view", "mission", "lessons", "course"}

@@ -9,10 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from math import isfinite, sqrt
 from numbers import Real
-from typing import TYPE_CHECKING, NamedTuple
-
-if TYPE_CHECKING:
-    from backhoe.vehicle.skid_steer.vehicle import Vehicle
+from typing import NamedTuple, Protocol
 
 __all__ = [
     "ROVER",
@@ -164,12 +161,22 @@ class Load:
         _require(self, may_be_zero=("inertia", "friction"))
 
 
-def hanging_wheel(vehicle: Vehicle) -> Load:
+class Wheeled(Protocol):
+    """What a load is made of: the numbers of a `skid_steer.Vehicle` that count for one."""
+
+    mass: float
+    gravity: float
+    rolling: float
+    wheel_radius: float
+    wheel_inertia: float
+
+
+def hanging_wheel(vehicle: Wheeled) -> Load:
     """A wheel of the vehicle that touches nothing."""
     return Load(vehicle.wheel_inertia)
 
 
-def vehicle_load(vehicle: Vehicle, driven: int = 4) -> Load:
+def vehicle_load(vehicle: Wheeled, driven: int = 4) -> Load:
     """A driven wheel's share of a vehicle that goes straight and does not slip.
 
     Args:

@@ -5,35 +5,27 @@ from collections.abc import Collection
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyBboxPatch
 
+from backhoe import FLOORS
 from backhoe.view.plots.style import DARK, GREY, ORANGE, figure, styled
 
-STAGES = {
-    "machine": ("the numbers", "machine"),
-    "dynamics": ("how it moves", "dynamics, soil"),
-    "sensors": ("what it feels", "encoders, IMU, eyes"),
-    "localisation": ("where am I?", "odometry, EKF"),
-    "map": ("what is around?", "clouds, octree"),
-    "plan": ("where to go?", "primitives, plans"),
-    "kinematics": ("which angles?", "kinematics"),
-    "control": ("which torques?", "PID"),
-}
 _PLACES = {
     "machine": (0, 0),
-    "dynamics": (0, 1),
-    "sensors": (1, 1),
-    "localisation": (2, 1),
-    "map": (3, 1),
-    "plan": (3, 0),
-    "kinematics": (2, 0),
-    "control": (1, 0),
+    "simulation": (0, 1),
+    "localisation": (1, 1),
+    "perception": (2, 1),
+    "planning": (3, 1),
+    "whole_body": (3, 0),
+    "arm": (2, 0),
+    "vehicle": (1, 0),
 }
+STAGES = {floor: FLOORS[floor] for floor in _PLACES}
+"""The floors of the library that the data pass, and what each answers."""
 _ARROWS = (
-    ("dynamics", "sensors"),
-    ("sensors", "localisation"),
-    ("localisation", "map"),
-    ("map", "plan"),
-    ("plan", "kinematics"),
-    ("kinematics", "control"),
+    ("simulation", "localisation"),
+    ("localisation", "perception"),
+    ("perception", "planning"),
+    ("planning", "whole_body"),
+    ("whole_body", "arm"),
 )
 _WIDTH, _HEIGHT = 0.86, 0.6
 
@@ -43,8 +35,7 @@ def data_way(lit: str | Collection[str] = ()) -> Figure:
     """The way of the data through the machine, with the parts named in `lit` highlighted.
 
     Args:
-        lit: one name or several of `STAGES`: machine, dynamics, sensors, localisation, map, plan,
-            kinematics, control; "tour" for all of them.
+        lit: one name or several of `STAGES`; "tour" for all of them.
 
     Raises:
         ValueError: a name is not one of the stages.
@@ -52,16 +43,19 @@ def data_way(lit: str | Collection[str] = ()) -> Figure:
     names = set(STAGES) if lit == "tour" else {lit} if isinstance(lit, str) else set(lit)
     if unknown := names - set(STAGES):
         raise ValueError(f"unknown part {sorted(unknown)}: the parts are {', '.join(STAGES)}")
-    fig, ax = figure(6.8, 2.1)
+    fig, ax = figure(6.8, 2.3)
     arrow = {"arrowstyle": "-|>", "color": GREY, "lw": 1.4, "shrinkA": 0, "shrinkB": 0}
     for start, end in _ARROWS:
         (x0, y0), (x1, y1) = _PLACES[start], _PLACES[end]
         dx, dy = _WIDTH / 2 * (x1 - x0), _HEIGHT / 2 * (y1 - y0)
         ax.annotate("", (x1 - dx, y1 - dy), (x0 + dx, y0 + dy), arrowprops=arrow)
     left, top = -_WIDTH / 2, _HEIGHT / 2
-    ax.annotate("", (0.3, 1 - top), (0.7, top), arrowprops=arrow)
+    ax.annotate("", (0.25, 1 - top), (0.75, top), arrowprops=arrow)
+    ax.annotate("", (0.4, 1 - top), (1.75, top), arrowprops=arrow)
+    bow = arrow | {"connectionstyle": "arc3,rad=-0.12"}
+    ax.annotate("", (1.25, -top), (2.75, -top), arrowprops=bow)
     ax.annotate("", (-0.1, 1 - top), (-0.1, top), arrowprops=arrow)
-    for name, (idea, chapter) in STAGES.items():
+    for name, idea in STAGES.items():
         x, y = _PLACES[name]
         on = name in names
         box = FancyBboxPatch(
@@ -76,7 +70,7 @@ def data_way(lit: str | Collection[str] = ()) -> Figure:
         ax.add_patch(box)
         weight = "bold" if on else "normal"
         ax.text(x, y + 0.11, idea, ha="center", va="center", size=10, weight=weight)
-        ax.text(x, y - 0.14, chapter, ha="center", va="center", size=9, color=DARK)
-    ax.set(xlim=(-0.47, 3.47), ylim=(-0.36, 1.36))
+        ax.text(x, y - 0.14, name.replace("_", " "), ha="center", va="center", size=9, color=DARK)
+    ax.set(xlim=(-0.47, 3.47), ylim=(-0.55, 1.36))
     ax.axis("off")
     return fig

@@ -12,8 +12,6 @@ from importlib.util import find_spec
 
 from backhoe.lessons.exercise import Exercise
 
-__all__ = ["LESSONS", "find", "lesson", "written"]
-
 LESSONS = {
     "0": "tour",
     "1": "kinematics",

@@ -20,8 +20,6 @@ from pathlib import Path
 
 from backhoe.course import workspace
 
-__all__ = ["Finding", "Pin", "examine", "pins", "report"]
-
 OLDEST, NEWEST = (3, 11), (3, 13)
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
 

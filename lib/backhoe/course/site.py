@@ -12,8 +12,6 @@ from tempfile import TemporaryDirectory
 
 from backhoe.course.workspace import root
 
-__all__ = ["build"]
-
 _PACKAGES = {"sphinx": "sphinx", "myst_nb": "myst-nb", "furo": "furo"}
 _MARK = ".buildinfo"  # what Sphinx leaves in a folder that it made
 

@@ -6,8 +6,6 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["open_lab", "root"]
-
 
 def root() -> Path:
     """The course's folder: the one with `notebooks/`, `lib/` and `requirements.txt`.

@@ -1,5 +1,7 @@
 """The numbers of the machine, each in one place; `provenance` says where they come from."""
 
+from dataclasses import replace
+
 from backhoe.machine.description import (
     BACKHOE,
     JOINTS,
@@ -10,7 +12,6 @@ from backhoe.machine.description import (
     Shell,
     Swing,
     Tracks,
-    replace,
 )
 
 __all__ = [

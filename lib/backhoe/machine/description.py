@@ -8,7 +8,7 @@ stick hangs at q3 = 0 (lesson 02 shows why); what the thesis leaves out is our c
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from math import inf, isfinite, nan, pi, radians
 from numbers import Real
@@ -17,19 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import real_array
-
-__all__ = [
-    "BACKHOE",
-    "JOINTS",
-    "Base",
-    "Joint",
-    "Link",
-    "Machine",
-    "Shell",
-    "Swing",
-    "Tracks",
-    "replace",
-]
 
 JOINTS = ("swing", "boom", "stick", "bucket")
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike
 
 from backhoe.machine import BACKHOE, Machine, replace
 
-__all__ = ["loaded", "reading", "scaled"]
-
 
 def loaded(load: float, machine: Machine = BACKHOE) -> Machine:
     """The machine with a point mass at the bucket's centre of mass.

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.mission.parts import DRIVE_PARTS, PARTS
 
-__all__ = ["asked", "checked_part", "numbers"]
-
 _CALLS = {name: part.call for name, part in (PARTS | DRIVE_PARTS).items()}
 
 

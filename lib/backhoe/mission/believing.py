@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from backhoe.localisation.drives import NOISE
 from backhoe.mission.asking import asked, checked_part, numbers
 
-__all__ = ["ESTIMATORS", "LIBRARY", "Believing", "checked_estimators", "estimators"]
-
 ESTIMATORS = ("odometry", "localisation")
 LIBRARY = "library"
 """Instead of a part: the library's own."""

@@ -36,8 +36,6 @@ from backhoe.vehicle.tracking.path import positive
 if TYPE_CHECKING:
     from backhoe.view.replay import Recorder, Replay
 
-__all__ = ["LOOKAHEAD", "DriveRun", "drive"]
-
 LOOKAHEAD = 0.6
 """Of the library's tracker, pure pursuit [m]: ours, for this machine."""
 

@@ -11,8 +11,6 @@ from backhoe.mission.route import default_route
 from backhoe.simulation.tracked_plant import TrackedPlant
 from backhoe.vehicle.tracking import Path, PurePursuit, follow
 
-__all__ = ["STANDING", "drive_the_machine"]
-
 STANDING = 3.0
 """Before it sets off, as in the other drives [s]."""
 

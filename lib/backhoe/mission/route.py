@@ -10,8 +10,6 @@ import numpy as np
 
 from backhoe.vehicle.tracking import Path, from_points
 
-__all__ = ["SPEED", "default_route"]
-
 SPEED = 0.4
 """Speed along the route [m/s]: ours."""
 

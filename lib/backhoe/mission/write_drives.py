@@ -11,8 +11,6 @@ from backhoe.localisation.drives import SCENARIOS, SLIPPING, Recording, record, 
 from backhoe.localisation.drives.files import FOLDER, MACHINE, names
 from backhoe.mission.recorded import drive_the_machine
 
-__all__ = ["main", "write"]
-
 
 def write(folder: str | Path = FOLDER) -> list[Path]:
     """Make all drives anew and write their files.

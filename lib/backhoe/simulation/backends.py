@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from backhoe.vehicle.motor import Motor, WheelGains
     from backhoe.vehicle.skid_steer import Vehicle
 
-__all__ = ["BACKENDS", "announce_fallback", "open_rover", "open_world"]
-
 BACKENDS = ("auto", "pybullet", "analytic")
 
 FALLBACK = (

@@ -10,8 +10,6 @@ from backhoe.arm.kinematics import joint_vector
 from backhoe.machine import BACKHOE, Machine
 from backhoe.vehicle.travel.posture import POSTURE
 
-__all__ = ["Hold"]
-
 
 class Hold:
     """The torque that keeps the arm where it is: the posture's gravity torque and a PD.

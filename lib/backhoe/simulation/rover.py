@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from backhoe.vehicle.skid_steer import Vehicle
     from backhoe.vehicle.tracking import Limits
 
-__all__ = ["AnalyticRover", "Rover"]
-
 STEP = 0.001
 """One step: of the wheels' controllers and of the simulation [s]."""
 

@@ -20,8 +20,6 @@ from backhoe.simulation import bullet
 from backhoe.simulation.rover import STEP, Rover
 from backhoe.simulation.rover_urdf import body_middle, rover_urdf
 
-__all__ = ["BulletRover", "ContactRover"]
-
 SETTLING = 400
 """Steps before time 0 in which the wheels find their loads."""
 

@@ -16,8 +16,6 @@ from backhoe.vehicle.skid_steer.vehicle import WHEELS
 if TYPE_CHECKING:
     from backhoe.vehicle.skid_steer.vehicle import Vehicle
 
-__all__ = ["body_middle", "rover_urdf"]
-
 
 def body_middle(vehicle: Vehicle) -> tuple[float, float, float]:
     """Centre of mass of the body in the robot's frame [m]: the wheels' is made up for."""

@@ -18,8 +18,6 @@ from backhoe.machine import Machine
 if TYPE_CHECKING:
     from backhoe.simulation.soil.ground import Ground
 
-__all__ = ["FLAT", "LOADING", "Heap", "Scene", "Truck", "untouched_ground"]
-
 ROUGHNESS = 0.03
 """Height of the bumps on a heap [m]; they come from the seed."""
 

@@ -28,8 +28,6 @@ from backhoe.vehicle.travel.velocity import VelocityPI
 if TYPE_CHECKING:
     from backhoe.simulation.loop import Loop
 
-__all__ = ["TrackedPlant"]
-
 _CALL = "controller(v_ref, omega_ref, v, omega, dt) -> (left, right) [N]"
 
 

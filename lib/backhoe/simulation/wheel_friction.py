@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from backhoe.vehicle.skid_steer import Vehicle
 
-__all__ = ["WheelFriction"]
-
 _TOLERANCE = 1e-6
 
 

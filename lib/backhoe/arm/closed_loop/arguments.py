@@ -14,8 +14,6 @@ from backhoe.arm.movement import Movement
 from backhoe.basics.inputs import real_array
 from backhoe.machine import BACKHOE, JOINTS, Machine, variants
 
-__all__ = ["LAWS", "RATES", "Task", "prepared"]
-
 LAWS = ("pid", "pid+gravity", "computed_torque")
 RATES = ("difference", "measured")
 

@@ -9,8 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Batch", "Trajectory"]
-
 
 class Trajectory(NamedTuple):
     """One run on its recorded samples, up to its end or to where it was stopped.

@@ -18,8 +18,6 @@ from backhoe.arm.movement import Movement
 from backhoe.basics.tiles import cores
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["COULOMB_SMOOTHING", "LARGEST_ERROR", "LARGEST_SPEED", "simulate"]
-
 COULOMB_SMOOTHING = 0.01
 """Speed below which Coulomb friction passes smoothly through zero [rad/s], as in `sim`."""
 

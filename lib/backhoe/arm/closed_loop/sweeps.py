@@ -14,8 +14,6 @@ from backhoe.arm.closed_loop.runs import carry_out
 from backhoe.arm.movement import Movement
 from backhoe.basics.progress import progress_bar
 
-__all__ = ["sweep"]
-
 RUNS_IN_A_CHUNK = 32
 
 

@@ -32,17 +32,6 @@ from backhoe.arm.kinematics.forward import leading_shape
 from backhoe.basics.inputs import real_array
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = [
-    "coriolis_matrix",
-    "energy",
-    "forward_dynamics",
-    "friction_torque",
-    "gravity_torque",
-    "inverse_dynamics",
-    "mass_matrix",
-    "mass_matrix_derivative",
-]
-
 Friction = Callable[[NDArray], ArrayLike] | bool | None
 
 

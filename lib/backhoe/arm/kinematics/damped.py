@@ -19,8 +19,6 @@ from backhoe.arm.kinematics.inverse import target_vector
 from backhoe.basics.inputs import real_array
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["DampedSolution", "adaptive_damping", "damped_inverse", "solve_damped", "task_jacobian"]
-
 _AT_REST = 1e-6
 _DOUBLINGS = 30
 _SMALL_DAMPING = 0.05

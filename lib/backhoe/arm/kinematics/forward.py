@@ -21,16 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.machine import BACKHOE, JOINTS, Machine
 
-__all__ = [
-    "FRAMES",
-    "dh_transform",
-    "forward_kinematics",
-    "jacobian",
-    "joint_vector",
-    "link_transforms",
-    "pose",
-]
-
 FRAMES = ("swing", "boom", "stick", "tip", "swing_com", "boom_com", "stick_com", "bucket_com")
 
 _NAMES = ", ".join(JOINTS)

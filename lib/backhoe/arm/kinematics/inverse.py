@@ -19,8 +19,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.basics.tiles import for_each_tile
 from backhoe.machine import BACKHOE, JOINTS, Machine
 
-__all__ = ["inverse_kinematics", "inverse_tip", "target_vector"]
-
 _ELBOWS = {"up": -1.0, "down": 1.0}
 _FAILURES = ("raise", "nan")
 _LIMIT_ROUNDING = 1e-9

@@ -13,8 +13,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["bilinear_norm", "bilinear_value", "by_turns", "unfolded_bound", "widest"]
-
 _TURNS = 5
 _NEWTON = 6
 _STARTS = 2

@@ -25,16 +25,6 @@ from backhoe.arm.kinematics.forward import leading_shape
 from backhoe.arm.lyapunov.gains import gain_matrix, positive
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = [
-    "closed_loop_rate",
-    "closed_loop_state",
-    "derivative",
-    "derivative_terms",
-    "function",
-    "potential_term",
-    "quadratic",
-]
-
 
 def closed_loop_state(
     q: ArrayLike,

@@ -21,8 +21,6 @@ from backhoe.arm.lyapunov.conditions import Gains, lowest, matrix_condition, rou
 from backhoe.arm.lyapunov.extremes import Constants
 from backhoe.arm.lyapunov.gains import gain_matrix, positive
 
-__all__ = ["Certificate", "Condition", "check_gains"]
-
 _NAMES = {
     "scalar": (
         "lambda_min(K_p) > k_g",

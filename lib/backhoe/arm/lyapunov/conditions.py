@@ -28,18 +28,6 @@ from backhoe.arm.lyapunov.gains import gain_matrix, positive
 from backhoe.arm.lyapunov.suprema import Domain, domain_of, heaviest, largest_norm, supremum
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = [
-    "ROUTES",
-    "Gains",
-    "Route",
-    "damping_per_alpha",
-    "highest",
-    "least",
-    "lowest",
-    "matrix_condition",
-    "route_named",
-]
-
 ROUTES = ("scalar", "matrix", "exact")
 
 

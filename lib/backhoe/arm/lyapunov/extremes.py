@@ -29,8 +29,6 @@ from backhoe.arm.lyapunov.suprema import Domain, domain_of, largest_norm, suprem
 from backhoe.basics.tiles import for_each_tile
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["Constants", "Profile", "christoffel", "constants", "gravity_slope", "profile"]
-
 RECIPES = ("tight", "printed")
 _TILE = 512
 

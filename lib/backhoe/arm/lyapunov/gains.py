@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.machine import JOINTS
 
-__all__ = ["gain_matrix", "positive"]
-
 _SYMMETRY = 1e-12
 
 

@@ -26,8 +26,6 @@ from backhoe.arm.lyapunov.conditions import Gains, highest, least, route_named
 from backhoe.arm.lyapunov.extremes import Constants
 from backhoe.arm.lyapunov.gains import gain_matrix, positive
 
-__all__ = ["Attraction", "attraction"]
-
 _ALPHAS = 40
 _EVERY = 7
 

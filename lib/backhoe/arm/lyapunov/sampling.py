@@ -16,8 +16,6 @@ from backhoe.arm.lyapunov.gains import gain_matrix, positive
 from backhoe.arm.lyapunov.suprema import domain_of, supremum
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["effective_inertia", "sampled_radius"]
-
 _SERIES = 8
 
 

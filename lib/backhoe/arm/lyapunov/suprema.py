@@ -20,8 +20,6 @@ from backhoe.arm.kinematics import joint_vector
 from backhoe.arm.lyapunov.bilinear import bilinear_norm, by_turns, unfolded_bound, widest
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["DOMAINS", "Domain", "Peak", "domain_of", "heaviest", "largest_norm", "supremum"]
-
 DOMAINS = ("box", "torus")
 _CELLS = {"box": 13, "torus": 16}
 _EACH, _LOOKED_AT = 4, 100

@@ -23,8 +23,6 @@ from backhoe.arm.lyapunov.suprema import supremum
 from backhoe.basics.inputs import real_array
 from backhoe.machine import JOINTS
 
-__all__ = ["Tuning", "tune"]
-
 SATURATION_ERROR = 0.2
 """Position error at which the default K_p asks for the torque limit [rad]."""
 INTEGRAL_TIME = 10.0

@@ -28,8 +28,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import real_array
 
-__all__ = ["DigitalPID"]
-
 _FORMS = ("backward", "tustin", "forward")
 _ANTI_WINDUP = ("clamping", "none")
 _DERIVATIVES = ("measurement", "error")

@@ -6,8 +6,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import real_array
 
-__all__ = ["SampleHold"]
-
 
 class SampleHold:
     """Lets every m-th value through and repeats it in between.

@@ -26,8 +26,6 @@ from backhoe.course.checking.outcomes import (
 )
 from backhoe.lessons.exercise import Exercise
 
-__all__ = ["Trial", "ask", "gives", "prepare"]
-
 
 @dataclass
 class Trial:

@@ -16,8 +16,6 @@ from backhoe.course.checking.answers import Trial, gives
 from backhoe.course.checking.outcomes import Blank, Numbers, Odd, Raised, agree, plain, show
 from backhoe.course.checking.patterns import in_pieces, overall
 
-__all__ = ["diagnose", "is_untouched"]
-
 
 def is_untouched(trial: Trial) -> bool:
     """Whether the answer is the stub as it stood in the notebook."""

@@ -21,8 +21,6 @@ from functools import partial
 
 import numpy as np
 
-__all__ = ["OutOfTime", "TimeUp", "run"]
-
 _GRACE = 0.5  # [s] for a worker to end after an interruption
 
 _interrupt = ctypes.PYFUNCTYPE(None, ctypes.c_ulong, ctypes.py_object)(

@@ -12,20 +12,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise
 
-__all__ = [
-    "Blank",
-    "Numbers",
-    "Odd",
-    "Other",
-    "Raised",
-    "agree",
-    "describe",
-    "is_blank",
-    "plain",
-    "short",
-    "show",
-]
-
 _MANY = 100_000  # more numbers than any exercise expects
 
 

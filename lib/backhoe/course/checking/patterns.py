@@ -11,8 +11,6 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["in_pieces", "overall"]
-
 _FACTORS = {
     "2": 2.0,
     "3": 3.0,

@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.localisation.odometry.encoder import Encoder
 
-__all__ = ["CONVERSIONS", "KINDS", "UNITS", "DriveLog", "label", "split_label", "write"]
-
 UNITS = ("s", "rad", "rad/s", "m", "m/s", "m/s^2", "ticks", "1")
 """Units that columns are kept in."""
 

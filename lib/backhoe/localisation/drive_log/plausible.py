@@ -15,8 +15,6 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LIMITS", "check", "unwrapped"]
-
 LIMITS: Mapping[str, float] = {
     "t": 2.0,
     **dict.fromkeys(("left", "right", "left_rate", "right_rate"), 60.0),

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 from backhoe.localisation.drive_log.log import CONVERSIONS, DriveLog, label, split_label
 from backhoe.localisation.drive_log.plausible import check, unwrapped
 
-__all__ = ["MAX_GAP", "read"]
-
 MAX_GAP = 5.0
 """Longest time between two rows, in median periods."""
 

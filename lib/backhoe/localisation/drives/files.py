@@ -16,8 +16,6 @@ from backhoe.localisation.drives.recording import NOISE, SEED, Recording
 from backhoe.localisation.drives.scenarios import SCENARIOS
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["FOLDER", "MACHINE", "TRUTH_RATE", "from_log", "load", "names", "save"]
-
 FOLDER = Path(__file__).resolve().parents[4] / "data" / "drives"
 
 TRUTH_RATE = 20.0

@@ -19,8 +19,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.localisation.drives.scenarios import RATE, Truth, truth
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["NOISE", "SEED", "SLIPPING", "Noise", "Recording", "record", "sense"]
-
 SEED = 2013
 """Of the recordings, unless told."""
 

@@ -12,8 +12,6 @@ from numbers import Real
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["RAMP", "RATE", "SCENARIOS", "Scenario", "Segment", "Truth", "truth"]
-
 RATE = 100.0
 """Of the encoders and the IMU [Hz]: Mastalli 2013, section 4.5."""
 

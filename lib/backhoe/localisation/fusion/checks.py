@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.localisation.drives import Recording
 
-__all__ = ["deviations", "not_negative", "start_pose"]
-
 
 def not_negative(name: str, value: float) -> float:
     """The value as a float, if it is a finite number of 0 or more."""

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from backhoe.localisation.fusion.sampling import Increments
 
-__all__ = ["Estimate", "Log"]
-
 
 @dataclass(frozen=True, eq=False)
 class Estimate:

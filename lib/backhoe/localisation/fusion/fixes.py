@@ -17,8 +17,6 @@ from backhoe.localisation.drives import Recording
 from backhoe.localisation.fusion.checks import deviations, not_negative
 from backhoe.localisation.fusion.sampling import RATE, cycles
 
-__all__ = ["LANDMARK_STD", "STATION_STD", "Fix", "landmarks", "total_station"]
-
 STATION_STD = 0.02
 """Of each coordinate [m]: ours, a total station that follows a moving prism."""
 

@@ -22,16 +22,6 @@ from backhoe.localisation.fusion.sampling import RATE, Increments, cycles, incre
 from backhoe.localisation.kalman import BatchExtendedKalmanFilter
 from backhoe.vehicle.tracks import tracks_twist
 
-__all__ = [
-    "HEADINGS",
-    "LISTENING",
-    "START_STD",
-    "TURNING_PRIOR",
-    "dead_reckoning",
-    "honest",
-    "initial",
-]
-
 HEADINGS = ("rate", "yaw", None)
 
 START_STD = (0.01, 0.01, 0.005)

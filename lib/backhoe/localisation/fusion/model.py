@@ -31,19 +31,6 @@ from backhoe.localisation.drives import NOISE, RATE, Noise
 from backhoe.localisation.fusion.checks import not_negative
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = [
-    "ANGLES",
-    "BIAS",
-    "NAMES",
-    "POSE",
-    "PSI",
-    "TURNED",
-    "TURNING",
-    "Model",
-    "X",
-    "Y",
-]
-
 X, Y, PSI, BIAS, TURNING, TURNED = range(6)
 POSE = slice(0, 3)
 ANGLES = (PSI,)

@@ -18,8 +18,6 @@ from backhoe.localisation.fusion.estimate import Estimate
 from backhoe.localisation.fusion.honest import START_STD
 from backhoe.localisation.fusion.scores import pose_rmse
 
-__all__ = ["RUNS", "MonteCarlo", "monte_carlo", "starts"]
-
 RUNS = 50
 """Of a Monte Carlo trial: ours."""
 

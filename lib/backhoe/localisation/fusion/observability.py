@@ -17,8 +17,6 @@ from backhoe.localisation import kalman
 from backhoe.localisation.drives import truth
 from backhoe.localisation.fusion.model import BIAS, NAMES, PSI, TURNED, TURNING, Model
 
-__all__ = ["SEEN", "Hidden", "hidden"]
-
 SEEN = ("rate", "yaw", "position", "landmark")
 _STEP = 1.0
 

@@ -16,8 +16,6 @@ from backhoe.localisation.kalman import ExtendedKalmanFilter
 from backhoe.machine import BACKHOE, Machine
 from backhoe.vehicle.tracks import tracks_twist
 
-__all__ = ["CALIBRATED", "TURNING_WALK", "Localiser", "Odometer"]
-
 CALIBRATED = (SLIPPING, 0.02)
 """Share of the ideal turn rate of the simulated tracks, and how well a calibration knows it [1]."""
 

@@ -19,8 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.localisation.drives import Recording
 
-__all__ = ["RATE", "USES", "Increments", "cycles", "increments"]
-
 RATE = 30.0
 """Cycles of the filter a second [Hz]: Mastalli 2013, section 4.5."""
 

@@ -16,8 +16,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.localisation.fusion.estimate import Estimate
 from backhoe.localisation.kalman import wrap
 
-__all__ = ["PERIOD", "Improvement", "improvement", "nearest", "pose_rmse", "rmse"]
-
 PERIOD = 0.05
 """Of the grid on which signals are compared [s]: ours, the rate of the truth in the files."""
 

@@ -13,15 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import real_array
 
-__all__ = [
-    "attitude_from_gravity",
-    "body_rates",
-    "euler_rates",
-    "integrate",
-    "rotation",
-    "triples",
-]
-
 _SINGULAR = 1e-6
 """How near to 90 degrees a pitch has no Euler rates [rad]."""
 

@@ -11,15 +11,6 @@ from dataclasses import dataclass, fields
 from math import isfinite, radians
 from numbers import Real
 
-__all__ = [
-    "BOARD_1",
-    "BOARD_2",
-    "IDEAL",
-    "PROVENANCE",
-    "STANDARD_GRAVITY",
-    "Board",
-]
-
 STANDARD_GRAVITY = 9.80665
 """What "1 g" of a range means [m/s^2]."""
 

@@ -17,14 +17,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.localisation.imu.attitude import rotation, triples
 from backhoe.localisation.imu.board import Board
 
-__all__ = [
-    "Readings",
-    "allan_deviation",
-    "measure",
-    "specific_force",
-    "yaw_drift",
-]
-
 
 class Readings(NamedTuple):
     """N samples: time (N,) [s], and with shapes (..., N, 3) the rest.

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import real_array
 
-__all__ = ["covariance", "duration", "exactly", "finite", "plain", "probability"]
-
 _FLOAT = np.dtype(float)
 _SYMMETRY = 1e-9
 

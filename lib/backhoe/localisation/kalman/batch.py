@@ -18,8 +18,6 @@ from backhoe.localisation.kalman.extended import Motion, _complain, _complain_of
 from backhoe.localisation.kalman.sensing import Filter, Measurement, innovation, noise
 from backhoe.localisation.kalman.unscented import over_leading_axes
 
-__all__ = ["BatchExtendedKalmanFilter"]
-
 
 class BatchExtendedKalmanFilter(Filter):
     """N extended Kalman filters that take the same steps with their own data.

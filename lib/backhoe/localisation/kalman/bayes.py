@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.localisation.kalman.arguments import exactly, finite
 
-__all__ = ["DiscreteBayesFilter"]
-
 _ROUNDING = 1e-9
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import cache
 from types import ModuleType
 
-__all__ = ["kernels", "lanes"]
-
 
 @cache
 def kernels() -> ModuleType:

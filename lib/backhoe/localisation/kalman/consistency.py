@@ -20,16 +20,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.localisation.kalman.arguments import covariance, finite
 from backhoe.localisation.kalman.arguments import probability as _probability
 
-__all__ = [
-    "Whiteness",
-    "chi_square_band",
-    "ellipse",
-    "nees",
-    "nis",
-    "share_inside",
-    "whiteness",
-]
-
 
 class Whiteness(NamedTuple):
     """lags (L,), correlation of the normalised innovations at them (L,), and its bound."""

@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.localisation.kalman.arguments import covariance, duration, finite
 
-__all__ = ["discrete_noise", "transition"]
-
 
 def transition(A: ArrayLike, dt: float, order: int | None = 1) -> NDArray:
     """F = I + A dt + (A dt)^2 / 2 + ..., the step that belongs to the rate A.

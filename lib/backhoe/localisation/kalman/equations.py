@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.angles import residual
 from backhoe.basics.inputs import real_array
 
-__all__ = ["gain", "information_update", "joseph", "numerical_jacobian", "short_form"]
-
 
 def gain(P: ArrayLike, H: ArrayLike, R: ArrayLike) -> NDArray:
     """K = P H^T (H P H^T + R)^-1.

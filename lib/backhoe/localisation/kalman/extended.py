@@ -23,8 +23,6 @@ from backhoe.localisation.kalman.compiled import kernels
 from backhoe.localisation.kalman.equations import numerical_jacobian
 from backhoe.localisation.kalman.sensing import Filter, Measurement, innovation, noise
 
-__all__ = ["ExtendedKalmanFilter"]
-
 Motion = Callable[[NDArray, ArrayLike, float], ArrayLike]
 
 

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from backhoe.localisation.kalman.batch import BatchExtendedKalmanFilter
 from backhoe.localisation.kalman.extended import ExtendedKalmanFilter
 
-__all__ = ["History"]
-
 
 class History:
     """Record of a filter that predicts with F: call `add` after each cycle.

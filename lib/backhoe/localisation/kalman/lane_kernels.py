@@ -10,8 +10,6 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["correct", "propagate"]
-
 _compiled = njit(cache=True, nogil=True, error_model="numpy")
 
 

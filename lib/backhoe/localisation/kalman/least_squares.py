@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.localisation.kalman.arguments import covariance, exactly, finite
 
-__all__ = ["least_squares"]
-
 
 def least_squares(
     F: ArrayLike,

@@ -17,8 +17,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.localisation.kalman.arguments import exactly, plain
 from backhoe.localisation.kalman.extended import ExtendedKalmanFilter
 
-__all__ = ["KalmanFilter"]
-
 OfTime = Callable[[float], ArrayLike]
 
 

@@ -13,8 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.localisation.kalman.arguments import finite
 
-__all__ = ["observability_matrix", "unobservable"]
-
 
 def observability_matrix(F: ArrayLike, H: ArrayLike, steps: int | None = None) -> NDArray:
     """H_0; H_1 F_0; H_2 F_1 F_0; ... one under another: what the initial state shows.

@@ -20,8 +20,6 @@ from backhoe.localisation.kalman.extended import Motion
 from backhoe.localisation.kalman.sensing import Filter, Measurement, noise
 from backhoe.localisation.kalman.unscented import over_leading_axes
 
-__all__ = ["ParticleFilter", "systematic_resample"]
-
 
 def systematic_resample(weights: ArrayLike, offset: float) -> NDArray:
     """Which particles go on: index i about M weights[i] times.

@@ -12,8 +12,6 @@ from backhoe.basics.angles import indices, wrap_components
 from backhoe.basics.inputs import real_array
 from backhoe.localisation.kalman.arguments import covariance, exactly, finite, plain
 
-__all__ = ["Filter", "Sensor"]
-
 _SAME_TIME = 1e-9
 _FLOAT = np.dtype(float)
 

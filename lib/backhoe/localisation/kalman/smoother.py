@@ -20,8 +20,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.localisation.kalman.arguments import finite
 from backhoe.localisation.kalman.history import History
 
-__all__ = ["Smoothed", "rts_smoother"]
-
 
 class Smoothed(NamedTuple):
     """x (..., K+1, n), P (..., K+1, n, n), and the gains C (..., K, n, n)."""

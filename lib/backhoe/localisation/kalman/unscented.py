@@ -17,8 +17,6 @@ from backhoe.localisation.kalman.compiled import kernels
 from backhoe.localisation.kalman.extended import Motion
 from backhoe.localisation.kalman.sensing import Filter, Measurement, innovation, noise
 
-__all__ = ["UnscentedKalmanFilter", "sigma_points"]
-
 
 def sigma_points(
     x: ArrayLike, P: ArrayLike, alpha: float = 0.1, beta: float = 2.0, kappa: float = 0.0

@@ -21,8 +21,6 @@ from backhoe.localisation.odometry.dead_reckoning import integrate
 from backhoe.localisation.odometry.tracked import Wheels
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["Calibration", "calibrate"]
-
 
 @dataclass(frozen=True)
 class Calibration:

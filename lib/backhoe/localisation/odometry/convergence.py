@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.checks import finite, positive
 
-__all__ = ["Motion", "final_errors", "order", "winding"]
-
 
 @dataclass(frozen=True)
 class Motion:

@@ -27,16 +27,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.checks import chosen, ending_in, finite, instants, steps
 
-__all__ = [
-    "METHODS",
-    "RULES",
-    "advance",
-    "from_samples",
-    "integrate",
-    "integrate_body",
-    "intervals",
-]
-
 METHODS = ("euler", "midpoint", "bilinear", "rk4", "exact")
 RULES = ("left", "right", "trapezoid")
 

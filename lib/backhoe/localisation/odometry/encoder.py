@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.checks import finite, positive
 
-__all__ = ["Encoder"]
-
 
 @dataclass(frozen=True)
 class Encoder:

@@ -20,8 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.checks import ending_in, finite, positive
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["Robot", "differential", "mecanum", "omni", "tracks"]
-
 
 @dataclass(frozen=True, eq=False)
 class Robot:

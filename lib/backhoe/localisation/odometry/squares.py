@@ -27,8 +27,6 @@ from backhoe.basics.checks import chosen, finite, positive
 from backhoe.localisation.odometry.dead_reckoning import integrate
 from backhoe.localisation.odometry.tracked import Wheels
 
-__all__ = ["Umbmark", "square", "umbmark", "umbmark_exact"]
-
 WAYS = ("cw", "ccw")
 
 

@@ -25,8 +25,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.checks import finite, instants
 
-__all__ = ["State", "bilinear", "euler", "heun", "implicit_euler", "linear", "run"]
-
 Rate = Callable[[NDArray, NDArray], ArrayLike]
 
 TOLERANCE = 1e-12

@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.checks import finite
 from backhoe.localisation.odometry.dead_reckoning import intervals
 
-__all__ = ["bilinear_sum", "euler_sum"]
-
 
 def euler_sum(t: ArrayLike, v: ArrayLike, x0: ArrayLike = 0.0) -> NDArray:
     """x_k = x_{k-1} + v_k delta_k: rectangles as high as their right edge, order 1.

@@ -17,8 +17,6 @@ from backhoe.basics.se2 import twist_of_sides
 from backhoe.localisation.odometry.dead_reckoning import integrate
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["Wheels", "from_angles"]
-
 
 @dataclass(frozen=True)
 class Wheels:

@@ -15,8 +15,6 @@ import numpy as np
 
 from backhoe.machine import Shell
 
-__all__ = ["BucketFill"]
-
 Point = tuple[float, float]
 Polygon = list[Point]
 

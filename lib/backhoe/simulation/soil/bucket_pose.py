@@ -12,8 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ["BucketPose", "between", "distance", "from_transform", "turn", "wrapped"]
-
 
 class BucketPose(NamedTuple):
     """Tip (x, y, z) [m], heading (unit vector outwards along the arm) and pitch [rad]."""

@@ -16,8 +16,6 @@ from backhoe.simulation.soil.bucket_pose import BucketPose, between, distance, t
 from backhoe.simulation.soil.force import Contact
 from backhoe.simulation.soil.terrain import Terrain
 
-__all__ = ["Digger", "Dug"]
-
 NO_CONTACT = Contact()
 
 

@@ -16,16 +16,6 @@ from math import exp, hypot, isfinite, pi, radians, tan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "LOAM",
-    "SOURCES",
-    "SoilParameters",
-    "bearing_capacity",
-    "cutting_factors",
-    "failure_angle",
-    "wedge",
-]
-
 SHALLOWEST_RAKE = radians(15)
 STEEPEST_RAKE = radians(100)
 _RAKES = np.linspace(SHALLOWEST_RAKE, STEEPEST_RAKE, 86)

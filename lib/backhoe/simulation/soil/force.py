@@ -14,8 +14,6 @@ from backhoe.machine import Machine
 from backhoe.simulation.soil.bucket_pose import BucketPose, wrapped
 from backhoe.simulation.soil.earthmoving import SoilParameters, bearing_capacity
 
-__all__ = ["Contact", "Resistance", "SoilForce"]
-
 EDGE = 0.04
 """Thickness of the teeth [m]."""
 CREEP = 0.15

@@ -25,8 +25,6 @@ from backhoe.simulation.soil.earthmoving import LOAM, SoilParameters
 from backhoe.simulation.soil.force import Contact, Resistance, SoilForce
 from backhoe.simulation.soil.terrain import Terrain
 
-__all__ = ["LOAM", "Ground", "SoilParameters", "Terrain"]
-
 SWEEPS = 4
 """How many cells far loose soil slides in one advance."""
 EMPTYING_TIME = 0.15

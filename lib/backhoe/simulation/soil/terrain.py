@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import real_array
 
-__all__ = ["Terrain"]
-
 SETTLING_SWEEPS = 20_000
 
 

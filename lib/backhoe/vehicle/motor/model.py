@@ -21,18 +21,6 @@ from backhoe.vehicle.motor.parameters import Load, Motor
 if TYPE_CHECKING:
     import control
 
-__all__ = [
-    "Discrete",
-    "FirstOrder",
-    "MotorRun",
-    "current",
-    "discretise",
-    "first_order",
-    "simulate",
-    "torque",
-    "transfer_functions",
-]
-
 
 class FirstOrder(NamedTuple):
     """The motor without inductance: tau dw/dt = gain V - torque_gain T_d - w.

@@ -11,17 +11,6 @@ from math import isfinite, sqrt
 from numbers import Real
 from typing import NamedTuple, Protocol
 
-__all__ = [
-    "ROVER",
-    "WHEELCHAIR",
-    "Load",
-    "Motor",
-    "Rated",
-    "hanging_wheel",
-    "replace",
-    "vehicle_load",
-]
-
 
 def _require(owner: object, may_be_zero: tuple[str, ...]) -> None:
     for field in fields(owner):

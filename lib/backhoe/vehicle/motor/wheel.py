@@ -19,17 +19,6 @@ from backhoe.vehicle.motor.parameters import Load, Motor
 if TYPE_CHECKING:
     from backhoe.arm.pid import DigitalPID
 
-__all__ = [
-    "WHEEL_PERIOD",
-    "WheelGains",
-    "WheelRun",
-    "control_wheel",
-    "overshoot",
-    "settling_time",
-    "tune_wheel",
-    "wheel_pid",
-]
-
 WHEEL_PERIOD = 0.001
 """Sample time of the wheels' speed control [s]: the source's simulator runs at 1 kHz."""
 

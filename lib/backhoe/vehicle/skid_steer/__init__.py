@@ -14,6 +14,8 @@ Source: D'Angelo 2022, chapter 2.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from backhoe.vehicle.skid_steer.friction import (
     coulomb,
     linear,
@@ -56,7 +58,7 @@ from backhoe.vehicle.skid_steer.slipping import (
     turning_half_track,
     turning_moment,
 )
-from backhoe.vehicle.skid_steer.vehicle import HUSKY, PROVENANCE, WHEELS, Vehicle, replace
+from backhoe.vehicle.skid_steer.vehicle import HUSKY, PROVENANCE, WHEELS, Vehicle
 
 __all__ = [
     "HUSKY",

@@ -17,8 +17,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import real_array
 
-__all__ = ["coulomb", "linear", "linear_range", "overestimate", "slope", "smooth", "smooth_sign"]
-
 
 def coulomb(v: ArrayLike, normal: ArrayLike, mu: float, viscous: float = 0.0) -> NDArray:
     """Coulomb and viscous friction, mu_c N sgn(v) + mu_v v.

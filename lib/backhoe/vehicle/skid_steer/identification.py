@@ -19,8 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
-__all__ = ["MIN_TRAVEL", "MIN_TURN", "Identification", "effective_half_track", "identify"]
-
 MIN_TURN = 0.1
 """Least turn that says something [rad]."""
 

@@ -16,16 +16,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.basics.se2 import sides_of_twist, twist_of_sides
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
-__all__ = [
-    "body_twist",
-    "constraint",
-    "contact_velocity",
-    "icr",
-    "pose_rate",
-    "wheel_speeds",
-    "world_velocity",
-]
-
 
 def wheel_speeds(
     twist: ArrayLike, vehicle: Vehicle = HUSKY, *, half_track: float | None = None

@@ -16,29 +16,17 @@ Source: D'Angelo 2022, eqs. (2.12) to (2.17). Printed are one lever for two in (
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import real_array
-from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle, replace
+from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
 if TYPE_CHECKING:
     import control
-
-__all__ = [
-    "Rates",
-    "StateSpace",
-    "control_system",
-    "fit",
-    "radius",
-    "rates",
-    "ratios",
-    "state_space",
-    "steady_state",
-    "step_response",
-]
 
 STATES = ("x", "v_x", "theta", "omega")
 

@@ -18,8 +18,6 @@ from backhoe.vehicle.motor import (
 from backhoe.vehicle.skid_steer.kinematics import half_track_of
 from backhoe.vehicle.skid_steer.vehicle import DRIVEN, Vehicle
 
-__all__ = ["Drives", "drive_block"]
-
 
 class Drives:
     """Motors and wheel PIDs of some vehicles.

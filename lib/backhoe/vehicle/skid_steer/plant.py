@@ -20,8 +20,6 @@ from backhoe.vehicle.skid_steer.vehicle import DRIVEN, HUSKY, Vehicle
 if TYPE_CHECKING:
     from backhoe.vehicle.motor import Motor, WheelGains
 
-__all__ = ["Plant"]
-
 _NODES, _WEIGHTS = (tuple(x.tolist()) for x in np.polynomial.legendre.leggauss(4))
 
 

@@ -27,8 +27,6 @@ from backhoe.vehicle.skid_steer.vehicle import DRIVEN, HUSKY, Vehicle
 if TYPE_CHECKING:
     from backhoe.vehicle.motor import Motor, WheelGains
 
-__all__ = ["MODELS", "Simulation", "simulate"]
-
 MODELS = ("kinematic", "linear", "slipping")
 
 

@@ -23,16 +23,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.vehicle.skid_steer.kinematics import _ending_in, contact_velocity, world_velocity
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
-__all__ = [
-    "advance",
-    "contact_forces",
-    "energy",
-    "friction_power",
-    "state_rate",
-    "turning_half_track",
-    "turning_moment",
-]
-
 
 def contact_forces(slip: ArrayLike, vehicle: Vehicle = HUSKY) -> NDArray:
     """Friction forces of the ground on the wheels.

@@ -9,14 +9,12 @@ from. The excavator of this course as such a vehicle is made by `tracked`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from math import isfinite
 from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
-
-__all__ = ["HUSKY", "PROVENANCE", "WHEELS", "Vehicle", "replace"]
 
 WHEELS = ("front left", "front right", "rear left", "rear right")
 

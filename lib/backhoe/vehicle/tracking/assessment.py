@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from backhoe.vehicle.tracking.follow import Follow
 from backhoe.vehicle.tracking.metrics import metrics
 
-__all__ = ["Assessment", "assess", "time_lag"]
-
 _LONGEST_LAG = 10.0
 
 

@@ -20,8 +20,6 @@ from backhoe.vehicle.tracking.metrics import Metrics
 from backhoe.vehicle.tracking.path import Path
 from backhoe.vehicle.tracking.protocol import Plant, Tracker
 
-__all__ = ["Comparison", "Radar", "badness", "compare"]
-
 
 class Radar(NamedTuple):
     """One radar chart: an axis a metric, a line a tracker.

@@ -23,8 +23,6 @@ from backhoe.vehicle.tracking.path import Path, positive
 from backhoe.vehicle.tracking.polyline import distances
 from backhoe.vehicle.tracking.protocol import Goal, Plant, Tracker
 
-__all__ = ["ARRIVAL", "MODES", "Follow", "follow", "tracker_name"]
-
 MODES = ("path", "trajectory")
 ARRIVAL = 0.2
 """A way-point is reached within this distance [m]: the source's value (section 5.4.1)."""

@@ -14,8 +14,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.vehicle.tracking.path import Path, positive
 from backhoe.vehicle.tracking.polyline import points_array
 
-__all__ = ["circle", "figure_eight", "from_points", "square"]
-
 
 def circle(
     radius: float = 1.5,

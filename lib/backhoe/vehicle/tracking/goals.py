@@ -9,8 +9,6 @@ import numpy as np
 from backhoe.vehicle.tracking.path import Path
 from backhoe.vehicle.tracking.protocol import Goal
 
-__all__ = ["TrajectoryGoals", "WaypointGoals"]
-
 
 class WaypointGoals:
     """Path mode: a way-point until the vehicle is near it, then the next.

@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.vehicle.tracking.path import positive
 from backhoe.vehicle.tracking.protocol import _floats
 
-__all__ = ["IdealPlant", "arc"]
-
 
 def arc(pose: ArrayLike, v: float, omega: float, time: float) -> NDArray:
     """Pose after driving with constant speeds: an arc of a circle, exactly.

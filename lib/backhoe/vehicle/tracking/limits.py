@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from backhoe.machine import BACKHOE, Machine
 from backhoe.vehicle.tracking.path import positive
 
-__all__ = ["Limits"]
-
 
 @dataclass(frozen=True)
 class Limits:

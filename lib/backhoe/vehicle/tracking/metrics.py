@@ -14,8 +14,6 @@ from numpy.typing import ArrayLike
 
 from backhoe.vehicle.tracking.polyline import distances, length
 
-__all__ = ["Metrics", "metrics"]
-
 
 class Metrics(NamedTuple):
     """Distances to the reference path, and how long the way was.

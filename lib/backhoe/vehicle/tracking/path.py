@@ -17,8 +17,6 @@ from backhoe.basics.inputs import real_array
 from backhoe.vehicle.tracking import waypoint_file
 from backhoe.vehicle.tracking.polyline import arc_length, points_array, subdivide
 
-__all__ = ["Path", "positive", "with_times"]
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Path:

@@ -17,8 +17,6 @@ from backhoe.vehicle.tracking.limits import Limits
 from backhoe.vehicle.tracking.pose_error import errors_in_floats
 from backhoe.vehicle.tracking.protocol import Goal, _floats, situation
 
-__all__ = ["LoopGains", "PIDTracker"]
-
 
 class LoopGains(NamedTuple):
     """kp, ki [1/s] and kd [s] of one loop, per m or rad of error; ki and kd may be left out."""

@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.basics.tiles import for_each_tile
 
-__all__ = ["arc_length", "distances", "distances_to_samples", "length", "points_array", "subdivide"]
-
 _PAIRS_IN_A_TILE = 2**15
 
 

@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike
 
 from backhoe.vehicle.tracking.protocol import _floats
 
-__all__ = ["PoseErrors", "errors_in_floats", "pose_errors", "wrap"]
-
 
 class PoseErrors(NamedTuple):
     """rho, the distance [m]; dy, to the left of the vehicle's axis [m]; alpha, wrapped [rad]."""

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from backhoe.vehicle.tracking.polyline import arc_length
 
-__all__ = ["Progress"]
-
 _TIE = 1e-9
 
 

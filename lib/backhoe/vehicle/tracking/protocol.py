@@ -17,8 +17,6 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Goal", "Plant", "Situation", "Tracker", "situation"]
-
 
 class Goal(NamedTuple):
     """Where a tracker shall go now.

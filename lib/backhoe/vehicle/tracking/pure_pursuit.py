@@ -25,8 +25,6 @@ from backhoe.vehicle.tracking.pose_error import wrap
 from backhoe.vehicle.tracking.progress import Progress
 from backhoe.vehicle.tracking.protocol import Goal, situation
 
-__all__ = ["PurePursuit"]
-
 
 class PurePursuit:
     """Pure pursuit. It remembers how far along the path it has come.

@@ -28,8 +28,6 @@ from backhoe.vehicle.tracking.pose_error import wrap
 from backhoe.vehicle.tracking.protocol import Goal, situation
 from backhoe.vehicle.tracking.scaglia_taylor import STILL, gain, sample_time
 
-__all__ = ["ScagliaLinear"]
-
 
 class ScagliaLinear:
     """Scaglia's tracker by linear interpolation. It remembers nothing.

@@ -34,8 +34,6 @@ from backhoe.vehicle.tracking.pose_error import wrap
 from backhoe.vehicle.tracking.protocol import Goal, situation
 from backhoe.vehicle.tracking.scaglia_taylor import STILL, gain, sample_time
 
-__all__ = ["ScagliaRungeKutta", "speed_modes"]
-
 
 class ScagliaRungeKutta:
     """Scaglia's tracker by two-stage Runge-Kutta. It remembers nothing: V_n, W_n are measured.

@@ -27,8 +27,6 @@ from backhoe.vehicle.tracking.path import positive
 from backhoe.vehicle.tracking.pose_error import wrap
 from backhoe.vehicle.tracking.protocol import Goal, situation
 
-__all__ = ["STILL", "ScagliaTaylor", "gain", "weight_ratio"]
-
 STILL = 1e-4
 """Closer to the goal than this [m] its direction is noise, and the heading is kept: atan2(0, 0)."""
 

@@ -12,8 +12,6 @@ from backhoe.vehicle.tracking.scaglia_linear import ScagliaLinear
 from backhoe.vehicle.tracking.scaglia_runge_kutta import ScagliaRungeKutta
 from backhoe.vehicle.tracking.scaglia_taylor import ScagliaTaylor
 
-__all__ = ["SCAGLIA_PERIOD", "TRACKERS", "TRACKERS_ON_TRACKS", "p_tracker", "pi_tracker"]
-
 SCAGLIA_PERIOD = 0.2
 """Sample time of Scaglia's three [s]. With a gain k they close k / T0 of an error in a second: at
 50 Hz, k = 0.4 asks for 20 / s, far more than wheels that slip can follow; at 5 Hz, for 2 / s."""

@@ -16,8 +16,6 @@ from os import PathLike, fspath
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["read", "write"]
-
 _HEADERS = (["x", "y"], ["x", "y", "t"])
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 

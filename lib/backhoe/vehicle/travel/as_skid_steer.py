@@ -13,8 +13,6 @@ from backhoe.machine import BACKHOE, Machine
 from backhoe.vehicle.skid_steer.vehicle import Vehicle
 from backhoe.vehicle.travel.model import yaw_inertia
 
-__all__ = ["BACKHOE_TRACKS", "RESPONSE_TIME", "SMOOTHING", "tracks_vehicle"]
-
 RESPONSE_TIME = 0.2
 """Time in which the belts' speed control answers [s]: ours."""
 

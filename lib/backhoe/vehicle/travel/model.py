@@ -29,8 +29,6 @@ from backhoe.vehicle.travel.velocity import GAINS, VelocityPI
 if TYPE_CHECKING:
     import control
 
-__all__ = ["StepModel", "TravelModel", "inertia_for", "model", "yaw_inertia"]
-
 _SAMPLES = 20_000
 
 

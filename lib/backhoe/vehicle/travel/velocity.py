@@ -24,8 +24,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import real_array
 from backhoe.machine import BACKHOE, Machine
 
-__all__ = ["GAINS", "Gains", "VelocityPI", "belt_forces", "track_errors"]
-
 
 class Gains(NamedTuple):
     """Gains of the translational and the rotational loop.

@@ -12,8 +12,6 @@ from backhoe.view.shapes import box, cylinder
 if TYPE_CHECKING:
     from backhoe.vehicle.skid_steer import Vehicle
 
-__all__ = ["rover_body", "rover_wheel"]
-
 _TREADS = 12
 
 

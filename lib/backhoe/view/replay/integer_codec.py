@@ -10,8 +10,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["pack", "unpack"]
-
 _MOST_BYTES = 5
 
 

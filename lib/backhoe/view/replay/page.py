@@ -19,8 +19,6 @@ import numpy as np
 from backhoe.view.replay.recording import Recording
 from backhoe.view.replay.recording_file import encode
 
-__all__ = ["Replay"]
-
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title>
 <meta name="viewport" content="width=device-width,initial-scale=1">

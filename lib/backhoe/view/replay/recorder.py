@@ -14,8 +14,6 @@ from backhoe.view.replay import stage
 from backhoe.view.replay.page import Replay
 from backhoe.view.replay.recording import HeightField, Line, Recording, Scalar
 
-__all__ = ["Recorder", "from_joints"]
-
 _ROVER_CAMERA = (2.9, -2.6, 1.9), (0.4, 0.2, 0.2)
 
 

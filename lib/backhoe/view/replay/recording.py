@@ -11,18 +11,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = [
-    "HEIGHT_STEP",
-    "MOTIONS",
-    "HeightField",
-    "Line",
-    "Mesh",
-    "Morph",
-    "Node",
-    "Recording",
-    "Scalar",
-]
-
 HEIGHT_STEP = 3e-3  # m, what heights are rounded to
 MOTIONS = {"fixed": 0, "revolute": 1, "planar": 3, "free": 7}  # values a frame
 

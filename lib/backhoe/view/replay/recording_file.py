@@ -19,8 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.view.replay.integer_codec import pack, unpack
 from backhoe.view.replay.recording import HEIGHT_STEP, HeightField, Mesh, Morph, Node, Recording
 
-__all__ = ["ANGLE_STEP", "LENGTH_STEP", "SCALAR_STEP", "TIME_STEP", "decode", "encode"]
-
 ANGLE_STEP = 1e-4  # rad, and for the components of a quaternion
 LENGTH_STEP = 1e-3  # m
 TIME_STEP = 1e-3  # s

@@ -20,16 +20,6 @@ from backhoe.view.replay.recording import Mesh, Morph, Node
 if TYPE_CHECKING:
     from backhoe.vehicle.skid_steer import Vehicle
 
-__all__ = [
-    "ROVER",
-    "TIP",
-    "load_in_bucket",
-    "machine_nodes",
-    "rover_nodes",
-    "strut_nodes",
-    "truck_node",
-]
-
 BASE = "undercarriage"
 ROVER = "rover"
 TIP = "bucket"

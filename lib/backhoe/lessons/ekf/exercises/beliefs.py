@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["BAYES"]
-
 
 def bayes(belief: NDArray, transition: NDArray, likelihood: NDArray) -> NDArray:
     """Belief after a move and a measurement, shape (n,): (4.7) with its marginals."""

@@ -9,8 +9,6 @@ from backhoe.lessons.ekf.exercises.motion import encoder_noise, step_jacobian
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.machine import BACKHOE
 
-__all__ = ["CYCLE", "cycle"]
-
 _RADIUS, _GAUGE = BACKHOE.tracks.sprocket_radius, BACKHOE.tracks.gauge
 
 

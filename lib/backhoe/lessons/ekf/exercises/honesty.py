@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["NEES", "RMSE"]
-
 
 def wrapped(angle: NDArray) -> NDArray:
     """The same direction from -pi to pi [rad]."""

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.machine import BACKHOE
 
-__all__ = ["JACOBIAN", "NOISE", "encoder_noise", "step_jacobian"]
-
 _RADIUS, _GAUGE = BACKHOE.tracks.sprocket_radius, BACKHOE.tracks.gauge
 
 

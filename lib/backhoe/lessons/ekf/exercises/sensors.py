@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["GRAVITY"]
-
 
 def attitude_from_gravity(force: NDArray) -> NDArray:
     """Roll and pitch of a machine at rest, shape (2,) [rad]: (4.22) repaired."""

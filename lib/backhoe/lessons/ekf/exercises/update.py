@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["UPDATE", "update"]
-
 
 def update(x: NDArray, P: NDArray, z: NDArray, H: NDArray, R: NDArray) -> tuple[NDArray, NDArray]:
     """State (n,) and covariance (n, n) after a measurement: (4.16), (4.17), (4.19)."""

@@ -11,8 +11,6 @@ from backhoe.lessons.kinematics import printed
 from backhoe.lessons.kinematics.exercises.posture import OFFSETS, random_postures
 from backhoe.machine import BACKHOE, replace
 
-__all__ = ["DAMPED", "INVERSE"]
-
 
 def inverse_kinematics(target: ArrayLike) -> NDArray:
     """q that brings the stick's tip to x, y, z [m] with the bucket joint at an angle [rad]."""

@@ -9,8 +9,6 @@ from backhoe.arm import kinematics
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.machine import BACKHOE, Machine, replace
 
-__all__ = ["ANGLES", "DEPTH", "SIDE_VIEW", "random_postures"]
-
 OFFSETS = np.array([link.angle_offset for link in BACKHOE.links])
 LENGTHS = np.array([link.length for link in BACKHOE.links])
 

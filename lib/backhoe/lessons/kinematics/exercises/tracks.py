@@ -9,8 +9,6 @@ from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.lessons.kinematics import printed
 from backhoe.machine import BACKHOE
 
-__all__ = ["TRACKS"]
-
 
 def track_matrix(heading: float) -> NDArray:
     """Matrix from the sprockets' speeds (right, left) [rad/s] to (dx, dy, dpsi), shape (3, 2)."""

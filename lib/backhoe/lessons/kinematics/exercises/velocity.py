@@ -10,8 +10,6 @@ from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.lessons.kinematics import printed
 from backhoe.lessons.kinematics.exercises.posture import random_postures
 
-__all__ = ["ANGULAR", "GRADING"]
-
 
 def angular_jacobian(q: ArrayLike) -> NDArray:
     """J_w of the bucket: its columns are the axes of the four joints, shape (3, 4)."""

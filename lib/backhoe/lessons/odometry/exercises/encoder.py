@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["TICKS"]
-
 
 def ticks(counts: NDArray, bits: int) -> NDArray:
     """Ticks from reading to reading of a counter of so many bits, shape (n - 1,)."""

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["JACOBIAN"]
-
 _PLACES = np.radians([0.0, 120.0, 240.0])
 
 

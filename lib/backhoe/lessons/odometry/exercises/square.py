@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.localisation import odometry
 
-__all__ = ["SQUARES"]
-
 
 def calibrate(cw: NDArray, ccw: NDArray, side: float, gauge: float) -> tuple[float, float]:
     """Real gauge [m] and right over left radius, from end places (n, 2) of squares [m]."""

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["ARC", "TRAPEZOID"]
-
 Rate = Callable[[NDArray, NDArray], NDArray]
 
 

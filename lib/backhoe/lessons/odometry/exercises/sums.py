@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["ORDER", "WAY"]
-
 
 def way(t: NDArray, v: NDArray) -> NDArray:
     """Trapezoids (4): positions at the instants t [s], from zero, for speeds v, shape (n,) [m]."""

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.machine import BACKHOE
 
-__all__ = ["ODOMETRY"]
-
 _RADIUS = BACKHOE.tracks.sprocket_radius
 
 

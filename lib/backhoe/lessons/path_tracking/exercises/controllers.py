@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["SCAGLIA", "scaglia"]
-
 
 def scaglia(pose: ArrayLike, goal: ArrayLike, dt: float, kv2: float, kw2: float) -> NDArray:
     """V [m/s] and W [rad/s] at the least cost J_n (6.12), k_v^2 and k_w^2 of (6.14)."""

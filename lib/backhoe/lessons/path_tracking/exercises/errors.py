@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["LIMITS", "POSE_ERRORS", "limit", "pose_errors"]
-
 
 def pose_errors(pose: ArrayLike, waypoint: ArrayLike, next_waypoint: ArrayLike) -> NDArray:
     """rho [m], Delta y [m] and alpha [rad] of eq. (5.1), alpha = phi - theta wrapped to -pi..pi."""

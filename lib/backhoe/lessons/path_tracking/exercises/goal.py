@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["GOAL", "goal"]
-
 
 def goal(time: float, dt: float, points: ArrayLike, times: ArrayLike) -> NDArray:
     """Place on the trajectory at time + dt, shape (2,) [m]; its ends hold before and after it."""

@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.lessons import published
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["METRICS", "MISSING", "metrics", "missing_length"]
-
 RADIUS = 1.5  # m, section 5.3.1 of the source
 
 

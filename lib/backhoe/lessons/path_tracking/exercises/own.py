@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.vehicle import tracking
 
-__all__ = ["OWN", "own_tracker"]
-
 NEAR_ENOUGH = 0.15
 """Largest mean distance to the goal that counts as tracking [m]."""
 

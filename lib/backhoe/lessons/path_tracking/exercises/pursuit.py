@@ -7,8 +7,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["PURSUIT", "pure_pursuit"]
-
 
 def pure_pursuit(pose: ArrayLike, path: ArrayLike, lookahead: float, speed: float) -> NDArray:
     """v [m/s] and omega [rad/s] of the arc to the point `lookahead` ahead along the path."""

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.vehicle.skid_steer import HUSKY, Vehicle, replace
 
-__all__ = ["RATES"]
-
 
 def rates(vehicle: Vehicle) -> NDArray:
     """Drive and drag of v, drive and drag of omega in (2.15) repaired, shape (4,) [1/s]."""

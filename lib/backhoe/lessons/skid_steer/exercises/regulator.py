@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from backhoe.arm.pid import DigitalPID
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["SAMPLED_PI"]
-
 
 def sampled_pi(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
     """Output of a PI for each sample of the error; its integral waits at the limit."""

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise, Mistake
 
-__all__ = ["TRACTIONS"]
-
 
 def tractions(force: float, moment: float, gauge: float) -> NDArray:
     """Forces of the left and right track that add up to a force and a yaw moment [N]."""

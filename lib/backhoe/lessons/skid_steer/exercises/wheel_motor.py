@@ -11,8 +11,6 @@ from backhoe.vehicle import motor
 from backhoe.vehicle.motor import ROVER
 from backhoe.vehicle.skid_steer import HUSKY
 
-__all__ = ["GAINS", "GEARED", "demands"]
-
 
 def geared_step(speed: float, voltage: float, torque: float, load: float, h: float) -> float:
     """Wheel speed after h, voltage and load torque held: (4.3) with the gearbox [rad/s]."""

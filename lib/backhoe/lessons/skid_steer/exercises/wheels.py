@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.vehicle.skid_steer import HUSKY
 
-__all__ = ["HALF_TRACK", "SIDE_SLIP", "WHEELS"]
-
 _RADIUS, _TRACK = HUSKY.wheel_radius, 2 * HUSKY.half_track
 
 

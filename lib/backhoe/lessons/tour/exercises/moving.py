@@ -12,8 +12,6 @@ from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.lessons.tour.exercises.reading import random_postures
 from backhoe.machine import BACKHOE
 
-__all__ = ["MOVING", "loads", "segment_times", "tip_travel"]
-
 
 def tip_travel(q: ArrayLike) -> NDArray:
     """How far the bucket's teeth move when one joint turns by one degree.

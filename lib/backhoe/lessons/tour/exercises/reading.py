@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.lessons.exercise import Exercise, Mistake
 from backhoe.machine import BACKHOE
 
-__all__ = ["READING", "arm_mass", "random_postures", "to_radians", "within_limits"]
-
 
 def arm_mass() -> float:
     """Mass of boom, stick and bucket together [kg]."""

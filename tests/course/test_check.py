@@ -18,7 +18,7 @@ from backhoe.course import catalogue
 from backhoe.course.checking import Check, guard, patterns
 from backhoe.course.checking.answers import ask, prepare
 from backhoe.course.checking.diagnosis import diagnose
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def turn(q):
@@ -81,7 +81,9 @@ EXERCISES = {
             "A pose",
             turn,
             vectors,
-            mistakes=(Mistake("degrees", from_degrees, "q is in radians already"),),
+            mistakes={
+                "q is in radians already": from_degrees,
+            },
             hints=("first", "second"),
             tested_on="20 random poses",
             timeout=2.0,
@@ -93,7 +95,14 @@ EXERCISES = {
         Exercise("9.6", "An error", root, lambda rng: [(-1.0,), (4.0,), (9.0,)]),
         Exercise("9.7", "Many answers", neighbour, vectors, compare=beside_it),
         Exercise("9.8", "A number", four_thirds, rtol=1e-3),
-        Exercise("9.9", "A word", "boom", mistakes=(Mistake("s", "stick", "look again"),)),
+        Exercise(
+            "9.9",
+            "A word",
+            "boom",
+            mistakes={
+                "look again": "stick",
+            },
+        ),
         Exercise("9.10", "A row", np.array([1.0, 2.0, 3.0])),
         Exercise("9.11", "In a hurry", turn, vectors, timeout=0.3),
         Exercise(
@@ -719,8 +728,8 @@ class TestWriting:
     def test_a_text_is_one_line(self):
         with pytest.raises(ValueError, match=r"every text of exercise 9\.1"):
             Exercise("9.1", "t", 1.0, hints=("two\nlines",))
-        with pytest.raises(ValueError, match="diagnosis of 'm'"):
-            Mistake("m", 2.0, "")
+        with pytest.raises(ValueError, match=r"every text of exercise 9\.1"):
+            Exercise("9.1", "t", 1.0, mistakes={"": 2.0})
 
     def test_a_reference_has_a_name(self):
         with pytest.raises(ValueError, match="the reference is a lambda"):
@@ -728,7 +737,15 @@ class TestWriting:
 
     def test_mistakes_of_a_function_are_functions(self):
         with pytest.raises(ValueError, match="must be functions"):
-            Exercise("9.1", "t", turn, vectors, mistakes=(Mistake("m", 3.0, "d"),))
+            Exercise(
+                "9.1",
+                "t",
+                turn,
+                vectors,
+                mistakes={
+                    "d": 3.0,
+                },
+            )
 
     def test_tolerances_are_not_negative(self):
         with pytest.raises(ValueError, match="tolerances"):

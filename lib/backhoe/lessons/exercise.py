@@ -1,39 +1,20 @@
 """What an exercise is: a reference, inputs to try it on, the mistakes to expect and the hints.
 
-Lessons describe their exercises with `Exercise` and `Mistake`; `backhoe.course.checking` asks,
-compares and names the mistake, and has an example.
+Lessons declare their exercises; `backhoe.course.checking` asks, compares and names the mistake, and
+has an example.
 """
 
 from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 
-__all__ = ["Exercise", "Mistake", "source_of"]
-
-
-@dataclass(frozen=True)
-class Mistake:
-    """A wrong answer that students give, recognised because it produces the same numbers.
-
-    `wrong` is the reference with the mistake built in: a function for a function exercise, else a
-    value or a function without arguments that computes it. `diagnosis` is one line for the student.
-
-    Raises:
-        ValueError: the diagnosis is empty or has more than one line.
-    """
-
-    name: str
-    wrong: object
-    diagnosis: str
-
-    def __post_init__(self) -> None:
-        _one_line(f"diagnosis of {self.name!r}", self.diagnosis)
+__all__ = ["Exercise", "source_of"]
 
 
 @dataclass(frozen=True)
@@ -48,6 +29,12 @@ class Exercise:
     for right, False or a one-line diagnosis for wrong. Where the reference raises, the answer must
     raise the same error. `timeout` [s] is for all cases together.
 
+    Where the library has the function that is asked for, `reference` is that function. `oracle`
+    names what proves it: a function of `tests/lessons/<lesson>/oracles.py`, which asserts on what
+    the reference gave and the arguments, by another way than the reference's own.
+    `mistakes` are wrong answers that students give, by the diagnosis, one line for the student: the
+    reference with the mistake built in, recognised because it gives the same.
+
     Raises:
         ValueError: a text has no or several lines, the number is not of the form "1.2", a
             tolerance is negative, or the reference is a lambda (its source could not be shown).
@@ -57,18 +44,19 @@ class Exercise:
     title: str
     reference: object
     cases: Callable[[np.random.Generator], Sequence[tuple]] | None = None
-    mistakes: tuple[Mistake, ...] = ()
+    mistakes: Mapping[str, object] = field(default_factory=dict)
     hints: tuple[str, ...] = ()
     rtol: float = 1e-6
     atol: float = 1e-9
     tested_on: str = ""
     compare: Callable[..., bool | str | None] | None = None
     timeout: float = 5.0
+    oracle: str = ""
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"\d+\.\d+", self.number):
             raise ValueError(f'an exercise is numbered like "1.2", got {self.number!r}')
-        for text in (self.title, *self.hints):
+        for text in (self.title, *self.hints, *self.mistakes):
             _one_line(f"every text of exercise {self.number}", text)
         if min(self.rtol, self.atol) < 0 or self.timeout <= 0:
             raise ValueError(f"exercise {self.number}: tolerances >= 0 and a timeout > 0, please")
@@ -76,7 +64,7 @@ class Exercise:
             raise ValueError(
                 f"exercise {self.number}: the reference is a lambda; name it, its source is shown"
             )
-        functions = (self.reference, *(mistake.wrong for mistake in self.mistakes))
+        functions = (self.reference, *self.mistakes.values())
         if self.cases is not None and not all(map(callable, functions)):
             raise ValueError(
                 f"exercise {self.number} has cases: its reference and mistakes must be functions"

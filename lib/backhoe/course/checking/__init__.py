@@ -17,17 +17,18 @@ Writing an exercise (in `backhoe/lessons/<lesson>/exercises/`, in the tuple `EXE
         title="Where is the tip?",
         reference=kinematics.forward_kinematics,
         cases=lambda rng: [(rng.uniform(-0.8, 0.8, 4),) for _ in range(40)],
-        mistakes=(
-            Mistake("degrees", _in_degrees, "the angles are in radians already"),
+        oracle="the_same_by_pinocchio",  # in tests/lessons/<lesson>/oracles.py
+        mistakes={
+            "the angles are in radians already": _in_degrees,
             ...  # at least four, each with its own diagnosis
-        ),
+        },
         hints=("Which frame does each link turn in?", "Multiply the four transforms in order."),
         tested_on="40 random postures",
     )
 
 Signs, factors, degrees, transposition, order, wrong components, wrong shapes, NaN and errors are
-recognised without a `Mistake`; write one where you can say more. A mistake is recognised when its
-function gives the same outcomes as the answer, whatever their shape, NaN included.
+recognised without a mistake of your own; write one where you can say more. It is recognised when
+its function gives the same outcomes as the answer, whatever their shape, NaN included.
 """
 
 from __future__ import annotations

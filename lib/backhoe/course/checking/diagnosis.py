@@ -56,10 +56,10 @@ def _known_mistake(trial: Trial) -> str | None:
     if all(isinstance(outcome, Raised) for outcome in trial.outcomes):
         return None
     right = outcomes(trial.references)
-    for mistake in trial.exercise.mistakes:
-        wrong = outcomes(gives(trial.exercise, mistake.wrong, trial.cases))
+    for diagnosis, answer in trial.exercise.mistakes.items():
+        wrong = outcomes(gives(trial.exercise, answer, trial.cases))
         if _same(trial, _as_nan(trial.outcomes, wrong), wrong) and not _same(trial, wrong, right):
-            return mistake.diagnosis
+            return diagnosis
     return None
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm import dynamics, kinematics
 from backhoe.lessons.dynamics import printed
 from backhoe.lessons.dynamics.exercises.postures import RADIANS, postures, variant
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE
 
 
@@ -38,56 +38,38 @@ BOOM_ALONE = Exercise(
         "write K and U with one angle, then let Lagrange's equation do the rest",
         "K = (m L_cm^2 + I) dq^2 / 2 and U = m g L_cm sin(q + theta_cm); tau is zero",
     ),
-    mistakes=(
-        Mistake(
-            "sign",
-            lambda angle: -boom_acceleration(angle),
-            "the sign: an outstretched boom that you let go must fall, so a negative acceleration",
+    mistakes={
+        "the sign: an outstretched boom that you let go must fall, so a negative acceleration": (
+            lambda angle: -boom_acceleration(angle)
         ),
-        Mistake(
-            "inertia at the centre of mass",
-            lambda angle: _boom(angle, inertia=BACKHOE.boom.inertia),
-            "the boom turns about its joint: to I add m L_cm^2 (Steiner)",
+        "the boom turns about its joint: to I add m L_cm^2 (Steiner)": (
+            lambda angle: _boom(angle, inertia=BACKHOE.boom.inertia)
         ),
-        Mistake(
-            "point mass",
-            lambda angle: _boom(angle, inertia=BACKHOE.boom.mass * BACKHOE.boom.com_radius**2),
-            "a boom is not a point mass: its own inertia I belongs beside m L_cm^2",
+        "a boom is not a point mass: its own inertia I belongs beside m L_cm^2": (
+            lambda angle: _boom(angle, inertia=BACKHOE.boom.mass * BACKHOE.boom.com_radius**2)
         ),
-        Mistake(
-            "length for L_cm",
-            lambda angle: _boom(angle, radius=BACKHOE.boom.length),
-            "the weight pulls at the centre of mass, L_cm from the joint, not at the boom's tip",
+        "the weight pulls at the centre of mass, L_cm from the joint, not at the boom's tip": (
+            lambda angle: _boom(angle, radius=BACKHOE.boom.length)
         ),
-        Mistake(
-            "wrong angle",
+        "theta_2 points at the boom's tip; the centre of mass lies at theta_cm2": (
             lambda angle: boom_acceleration(
                 angle + BACKHOE.boom.angle_offset - BACKHOE.boom.com_angle
-            ),
-            "theta_2 points at the boom's tip; the centre of mass lies at theta_cm2",
+            )
         ),
-        Mistake(
-            "no offset",
-            lambda angle: boom_acceleration(angle - BACKHOE.boom.com_angle),
-            "q is not yet the angle above the horizontal: add theta_cm2",
+        "q is not yet the angle above the horizontal: add theta_cm2": (
+            lambda angle: boom_acceleration(angle - BACKHOE.boom.com_angle)
         ),
-        Mistake(
-            "sine for cosine",
-            lambda angle: boom_acceleration(angle - np.pi / 2),
-            "the lever arm of a weight is horizontal: the cosine of the angle, not its sine",
+        "the lever arm of a weight is horizontal: the cosine of the angle, not its sine": (
+            lambda angle: boom_acceleration(angle - np.pi / 2)
         ),
-        Mistake(
-            "half",
-            lambda angle: boom_acceleration(angle) / 2,
-            "a factor 2: the 1/2 of the kinetic energy goes when you differentiate by the speed",
+        "a factor 2: the 1/2 of the kinetic energy goes when you differentiate by the speed": (
+            lambda angle: boom_acceleration(angle) / 2
         ),
-        Mistake(
-            "double",
-            lambda angle: 2 * boom_acceleration(angle),
-            "a factor 2: differentiate dq^2 / 2 by dq once more",
+        "a factor 2: differentiate dq^2 / 2 by dq once more": (
+            lambda angle: 2 * boom_acceleration(angle)
         ),
-        Mistake("radians", lambda angle: boom_acceleration(np.radians(angle)), RADIANS),
-    ),
+        (RADIANS): (lambda angle: boom_acceleration(np.radians(angle))),
+    },
 )
 
 
@@ -124,24 +106,17 @@ GRAVITY = Exercise(
         "start at the bucket: g4 is the bucket's weight times its horizontal lever arm",
         "g3 = g4 + what the stick adds: its own weight, and the bucket's weight at the stick's tip",
     ),
-    mistakes=(
-        Mistake(
-            "sign",
-            lambda q: -dynamics.gravity_torque(q),
-            "the sign: g holds the arm up, so an outstretched boom needs a positive g2",
+    mistakes={
+        "the sign: g holds the arm up, so an outstretched boom needs a positive g2": (
+            lambda q: -dynamics.gravity_torque(q)
         ),
-        Mistake(
-            "printed",
-            printed.gravity_torque,
-            "that is (2.21) as printed: look for a length without its cosine and a missing weight",
+        "that is (2.21) as printed: look for a length without its cosine and a missing weight": (
+            printed.gravity_torque
         ),
-        Mistake(
-            "two links",
-            lambda q: dynamics.gravity_torque(q, machine=variant(bucket={"mass": 1e-12})),
-            "the bucket is missing: its weight pulls at all three joints",
+        "the bucket is missing: its weight pulls at all three joints": (
+            lambda q: dynamics.gravity_torque(q, machine=variant(bucket={"mass": 1e-12}))
         ),
-        Mistake(
-            "lengths for L_cm",
+        "a link's own weight pulls at its centre of mass, L_cm from its joint, not at its end": (
             lambda q: dynamics.gravity_torque(
                 q,
                 machine=variant(
@@ -150,26 +125,16 @@ GRAVITY = Exercise(
                         for name in ("boom", "stick", "bucket")
                     }
                 ),
-            ),
-            "a link's own weight pulls at its centre of mass, L_cm from its joint, not at its end",
+            )
         ),
-        Mistake(
-            "own weight only",
-            _own_weight,
-            "a joint carries every link beyond it, not only its own",
+        "a joint carries every link beyond it, not only its own": _own_weight,
+        "stick and bucket hang at the boom's tip: (m_s + m_bu) L2 cos q2* is missing": (
+            _hung_at_the_joint
         ),
-        Mistake(
-            "hung at the joint",
-            _hung_at_the_joint,
-            "stick and bucket hang at the boom's tip: (m_s + m_bu) L2 cos q2* is missing",
+        "a weight's lever arm needs the absolute angle of its link: q2* + q3cm, not q3cm alone": (
+            _own_angles
         ),
-        Mistake(
-            "own angles",
-            _own_angles,
-            "a weight's lever arm needs the absolute angle of its link: q2* + q3cm, not q3cm alone",
-        ),
-        Mistake(
-            "link for centre of mass",
+        "the last angle in each term is that of the centre of mass, com_angle": (
             partial(
                 dynamics.gravity_torque,
                 machine=variant(
@@ -178,26 +143,15 @@ GRAVITY = Exercise(
                         for name in ("boom", "stick", "bucket")
                     }
                 ),
-            ),
-            "the last angle in each term is that of the centre of mass, com_angle",
+            )
         ),
-        Mistake(
-            "sine for cosine",
-            lambda q: dynamics.gravity_torque(q - np.array([0.0, np.pi / 2, 0.0, 0.0])),
-            "the lever arm of a weight is horizontal: cosines, not sines",
+        "the lever arm of a weight is horizontal: cosines, not sines": (
+            lambda q: dynamics.gravity_torque(q - np.array([0.0, np.pi / 2, 0.0, 0.0]))
         ),
-        Mistake(
-            "without g",
-            lambda q: dynamics.gravity_torque(q) / BACKHOE.gravity,
-            "a factor 9.81: a weight is m g",
-        ),
-        Mistake(
-            "in kN m",
-            lambda q: dynamics.gravity_torque(q) / 1e3,
-            "a factor 1000: give N m, not kN m",
-        ),
-        Mistake("radians", lambda q: dynamics.gravity_torque(np.radians(q)), RADIANS),
-    ),
+        "a factor 9.81: a weight is m g": lambda q: dynamics.gravity_torque(q) / BACKHOE.gravity,
+        "a factor 1000: give N m, not kN m": lambda q: dynamics.gravity_torque(q) / 1e3,
+        (RADIANS): (lambda q: dynamics.gravity_torque(np.radians(q))),
+    },
 )
 
 
@@ -239,56 +193,24 @@ HOLD = Exercise(
         "two torques: what gravity asks for, and what the force asks for",
         "a force F at a point with velocity J dq needs the torque J^T F: only the linear rows of J",
     ),
-    mistakes=(
-        Mistake(
-            "sign",
-            lambda q, force: dynamics.gravity_torque(q) - _tip_torque(q, force),
-            "the sign of the force: h_e is what the teeth exert, so J^T h_e adds to the torque",
+    mistakes={
+        "the sign of the force: h_e is what the teeth exert, so J^T h_e adds to the torque": (
+            lambda q, force: dynamics.gravity_torque(q) - _tip_torque(q, force)
         ),
-        Mistake(
-            "no force",
-            lambda q, force: dynamics.gravity_torque(q),
-            "the force changes nothing in your function: add J^T times it",
+        "the force changes nothing in your function: add J^T times it": (
+            lambda q, force: dynamics.gravity_torque(q)
         ),
-        Mistake(
-            "no gravity",
-            _tip_torque,
-            "the arm is heavy: add the gravity torque",
+        "the arm is heavy: add the gravity torque": _tip_torque,
+        "the sign of gravity: the torque holds the arm up, so + g": (
+            lambda q, force: _tip_torque(q, force) - dynamics.gravity_torque(q)
         ),
-        Mistake(
-            "gravity subtracted",
-            lambda q, force: _tip_torque(q, force) - dynamics.gravity_torque(q),
-            "the sign of gravity: the torque holds the arm up, so + g",
+        ('the teeth are the frame "tip"; "stick" is the bucket\'s pin'): (
+            lambda q, force: dynamics.gravity_torque(q) + _tip_torque(q, force, "stick")
         ),
-        Mistake(
-            "at the pin",
-            lambda q, force: dynamics.gravity_torque(q) + _tip_torque(q, force, "stick"),
-            'the teeth are the frame "tip"; "stick" is the bucket\'s pin',
-        ),
-        Mistake(
-            "tip frame",
-            _in_the_tip_frame,
-            "the force is given in the base frame already: do not turn it",
-        ),
-        Mistake(
-            "angular rows",
-            _as_moment,
-            "those are the angular rows of J, for moments: a force takes the first three",
-        ),
-        Mistake(
-            "upwards only",
-            _upwards_only,
-            "only the vertical part of the force is in it: take all three components",
-        ),
-        Mistake(
-            "bucket joint only",
-            _own_joint_only,
-            "every joint feels the force, not only the bucket's",
-        ),
-        Mistake(
-            "radians",
-            lambda q, force: holding_torque(np.radians(q), force),
-            RADIANS,
-        ),
-    ),
+        "the force is given in the base frame already: do not turn it": _in_the_tip_frame,
+        "those are the angular rows of J, for moments: a force takes the first three": _as_moment,
+        "only the vertical part of the force is in it: take all three components": _upwards_only,
+        "every joint feels the force, not only the bucket's": _own_joint_only,
+        (RADIANS): (lambda q, force: holding_torque(np.radians(q), force)),
+    },
 )

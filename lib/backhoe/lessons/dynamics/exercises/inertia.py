@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm import dynamics, kinematics
 from backhoe.lessons.dynamics import printed
 from backhoe.lessons.dynamics.exercises.postures import RADIANS, postures, variant
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE
 from backhoe.machine.variants import loaded
 
@@ -69,78 +69,48 @@ MASS_MATRIX = Exercise(
         "the load is a fifth body: a point mass, so it has m Jv^T Jv and no I Jw^T Jw",
         'its Jacobian is the one of "bucket_com"; the sum over the other four is in the lesson',
     ),
-    mistakes=(
-        Mistake(
-            "no load",
-            lambda q, load: dynamics.mass_matrix(q),
-            "the load changes nothing in your function: it is one more mass in the bucket",
+    mistakes={
+        "the load changes nothing in your function: it is one more mass in the bucket": (
+            lambda q, load: dynamics.mass_matrix(q)
         ),
-        Mistake(
-            "load at the teeth",
-            lambda q, load: dynamics.mass_matrix(q) + _point_load(q, load, "tip"),
-            "the load lies at the bucket's centre of mass, not at its teeth",
+        "the load lies at the bucket's centre of mass, not at its teeth": (
+            lambda q, load: dynamics.mass_matrix(q) + _point_load(q, load, "tip")
         ),
-        Mistake(
-            "load at the pin",
-            lambda q, load: dynamics.mass_matrix(q) + _point_load(q, load, "stick"),
-            "the load lies at the bucket's centre of mass, not at the bucket's pin",
+        "the load lies at the bucket's centre of mass, not at the bucket's pin": (
+            lambda q, load: dynamics.mass_matrix(q) + _point_load(q, load, "stick")
         ),
-        Mistake(
-            "load for mass",
-            lambda q, load: dynamics.mass_matrix(q, variant(bucket={"mass": load})),
-            "the bucket itself weighs something too: add the load to its mass",
+        "the bucket itself weighs something too: add the load to its mass": (
+            lambda q, load: dynamics.mass_matrix(q, variant(bucket={"mass": load}))
         ),
-        Mistake(
-            "load turns too",
-            lambda q, load: loaded_mass_matrix(q, load) + _spin(q, load),
-            "the load is a point: only Jv, the first three rows of the Jacobian, counts for it",
+        "the load is a point: only Jv, the first three rows of the Jacobian, counts for it": (
+            lambda q, load: loaded_mass_matrix(q, load) + _spin(q, load)
         ),
-        Mistake(
-            "load alone",
-            lambda q, load: _point_load(q, load, "bucket_com"),
-            "that is the load's share alone: the arm itself is missing",
+        "that is the load's share alone: the arm itself is missing": (
+            lambda q, load: _point_load(q, load, "bucket_com")
         ),
-        Mistake(
-            "half",
-            lambda q, load: loaded_mass_matrix(q, load) / 2,
-            "a factor 2: K = dq^T M dq / 2 has the half outside of M",
+        "a factor 2: K = dq^T M dq / 2 has the half outside of M": (
+            lambda q, load: loaded_mass_matrix(q, load) / 2
         ),
-        Mistake(
-            "no rotation",
-            lambda q, load: _sum_of_links(q, load, angular=0.0),
-            "the links also turn: I Jw^T Jw is missing",
+        "the links also turn: I Jw^T Jw is missing": (
+            lambda q, load: _sum_of_links(q, load, angular=0.0)
         ),
-        Mistake(
-            "no translation",
-            lambda q, load: _sum_of_links(q, load, linear=0.0),
-            "the links also travel: m Jv^T Jv is missing",
+        "the links also travel: m Jv^T Jv is missing": (
+            lambda q, load: _sum_of_links(q, load, linear=0.0)
         ),
-        Mistake(
-            "link tips",
-            lambda q, load: _sum_of_links(q, load, frames=("swing", "boom", "stick", "tip")),
-            "those are Jacobians of the links' ends: take the centres of mass, boom_com",
+        "those are Jacobians of the links' ends: take the centres of mass, boom_com": (
+            lambda q, load: _sum_of_links(q, load, frames=("swing", "boom", "stick", "tip"))
         ),
-        Mistake(
-            "no turret",
-            lambda q, load: _sum_of_links(q, load, first=1),
-            "the turret turns too: the first body is swing_com",
+        "the turret turns too: the first body is swing_com": (
+            lambda q, load: _sum_of_links(q, load, first=1)
         ),
-        Mistake(
-            "inertia on the diagonal",
-            _inertia_on_the_diagonal,
-            "the bucket turns with every joint before it: Jw has more than one column",
+        "the bucket turns with every joint before it: Jw has more than one column": (
+            _inertia_on_the_diagonal
         ),
-        Mistake(
-            "Steiner twice",
-            _steiner_twice,
-            "m L_cm^2 counts twice: with Jv of the centre of mass, I is the one about that point",
+        "m L_cm^2 counts twice: with Jv of the centre of mass, I is the one about that point": (
+            _steiner_twice
         ),
-        Mistake(
-            "radians",
-            lambda q, load: loaded_mass_matrix(np.radians(q), load),
-            RADIANS,
-        ),
-    ),
+        (RADIANS): (lambda q, load: loaded_mass_matrix(np.radians(q), load)),
+    },
 )
 
 
@@ -173,53 +143,33 @@ CORIOLIS = Exercise(
         "two terms: how M changes as you move, and how the energy changes with the posture",
         "C dq = Mdot dq - 1/2 [dq^T (dM/dq_k) dq for k = 1..4]",
     ),
-    mistakes=(
-        Mistake(
-            "half Mdot",
-            lambda q, dq: _m_dot(q, dq) @ dq / 2,
-            "that is 1/2 Mdot dq, as (A.20) prints: the right power, but not the right torques",
+    mistakes={
+        "that is 1/2 Mdot dq, as (A.20) prints: the right power, but not the right torques": (
+            lambda q, dq: _m_dot(q, dq) @ dq / 2
         ),
-        Mistake(
-            "Mdot only",
-            lambda q, dq: _m_dot(q, dq) @ dq,
-            "Mdot dq is the first half: the term -1/2 dq^T (dM/dq_k) dq is missing",
+        "Mdot dq is the first half: the term -1/2 dq^T (dM/dq_k) dq is missing": (
+            lambda q, dq: _m_dot(q, dq) @ dq
         ),
-        Mistake(
-            "no half",
-            lambda q, dq: _m_dot(q, dq) @ dq - _pull(q, dq),
-            "the second term has a factor 1/2: it comes from K = dq^T M dq / 2",
+        "the second term has a factor 1/2: it comes from K = dq^T M dq / 2": (
+            lambda q, dq: _m_dot(q, dq) @ dq - _pull(q, dq)
         ),
-        Mistake(
-            "axes of dM",
-            lambda q, dq: _pull(q, dq) / 2,
-            "in Mdot the first axis of dM belongs to dq: np.einsum('ikj,i->kj', dM, dq)",
+        "in Mdot the first axis of dM belongs to dq: np.einsum('ikj,i->kj', dM, dq)": (
+            lambda q, dq: _pull(q, dq) / 2
         ),
-        Mistake(
-            "plus",
-            lambda q, dq: _m_dot(q, dq) @ dq + _pull(q, dq) / 2,
-            "the second term is subtracted: Lagrange's equation has - dL/dq",
+        "the second term is subtracted: Lagrange's equation has - dL/dq": (
+            lambda q, dq: _m_dot(q, dq) @ dq + _pull(q, dq) / 2
         ),
-        Mistake(
-            "sign",
-            lambda q, dq: -coriolis_torque(q, dq),
-            "the sign: C dq stands on the left, beside M ddq",
+        "the sign: C dq stands on the left, beside M ddq": lambda q, dq: -coriolis_torque(q, dq),
+        "only squares of speeds: the products dq_i dq_j, the Coriolis part, are missing": (
+            _squares_only
         ),
-        Mistake(
-            "squares only",
-            _squares_only,
-            "only squares of speeds: the products dq_i dq_j, the Coriolis part, are missing",
+        "there is gravity in it: at rest C dq must be zero": (
+            lambda q, dq: coriolis_torque(q, dq) + dynamics.gravity_torque(q)
         ),
-        Mistake(
-            "with gravity",
-            lambda q, dq: coriolis_torque(q, dq) + dynamics.gravity_torque(q),
-            "there is gravity in it: at rest C dq must be zero",
+        "those are the printed forms (2.16) to (2.20): hardly an entry of them is right": (
+            printed.coriolis_vector
         ),
-        Mistake(
-            "printed",
-            printed.coriolis_vector,
-            "those are the printed forms (2.16) to (2.20): hardly an entry of them is right",
-        ),
-    ),
+    },
 )
 
 
@@ -251,47 +201,31 @@ REPAIR = Exercise(
         "which joints change how far the bucket's centre of mass is from the stick's joint?",
         "law of cosines: the angle between stick and bucket's centre of mass is q4cm alone",
     ),
-    mistakes=(
-        Mistake(
-            "printed",
-            lambda q: printed.mass_matrix(q)[2, 2],
-            "that is M33 as printed: it changes when only the boom moves, and it must not",
+    mistakes={
+        "that is M33 as printed: it changes when only the boom moves, and it must not": (
+            lambda q: printed.mass_matrix(q)[2, 2]
         ),
-        Mistake(
-            "q4*",
-            lambda q: _m33(q, angle=q[3] + BACKHOE.bucket.angle_offset),
-            "the angle is nearly right: the centre of mass lies at q4cm, the teeth at q4*",
+        "the angle is nearly right: the centre of mass lies at q4cm, the teeth at q4*": (
+            lambda q: _m33(q, angle=q[3] + BACKHOE.bucket.angle_offset)
         ),
-        Mistake(
-            "q4",
-            lambda q: _m33(q, angle=q[3]),
-            "q4 is not yet the angle between the links: add the offset of the centre of mass",
+        "q4 is not yet the angle between the links: add the offset of the centre of mass": (
+            lambda q: _m33(q, angle=q[3])
         ),
-        Mistake(
-            "q3 in it",
-            lambda q: _m33(q, angle=q[2] + q[3] + FOLDED),
-            "the stick's own angle is still in it: turning both together changes nothing",
+        "the stick's own angle is still in it: turning both together changes nothing": (
+            lambda q: _m33(q, angle=q[2] + q[3] + FOLDED)
         ),
-        Mistake(
-            "no factor 2",
-            lambda q: _m33(q, factor=1.0),
-            "the cross term of a square has a factor 2; without it you have the term of M34",
+        "the cross term of a square has a factor 2; without it you have the term of M34": (
+            lambda q: _m33(q, factor=1.0)
         ),
-        Mistake(
-            "minus",
-            lambda q: _m33(q, factor=-2.0),
-            "the sign of the cross term: a stretched arm (cos = 1) has the largest inertia",
+        "the sign of the cross term: a stretched arm (cos = 1) has the largest inertia": (
+            lambda q: _m33(q, factor=-2.0)
         ),
-        Mistake(
-            "no inertias",
-            lambda q: m33(q) - BACKHOE.stick.inertia - BACKHOE.bucket.inertia,
-            "the links' own inertias I_s and I_bu are missing",
+        "the links' own inertias I_s and I_bu are missing": (
+            lambda q: m33(q) - BACKHOE.stick.inertia - BACKHOE.bucket.inertia
         ),
-        Mistake(
-            "no bucket inertia",
-            lambda q: m33(q) - BACKHOE.bucket.inertia,
-            "the bucket turns with the stick's joint too: I_bu is missing",
+        "the bucket turns with the stick's joint too: I_bu is missing": (
+            lambda q: m33(q) - BACKHOE.bucket.inertia
         ),
-        Mistake("radians", lambda q: m33(np.radians(q)), RADIANS),
-    ),
+        (RADIANS): (lambda q: m33(np.radians(q))),
+    },
 )

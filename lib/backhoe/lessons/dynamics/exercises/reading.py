@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics
 from backhoe.lessons import published
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE, variants
 
 
@@ -52,42 +52,26 @@ READING = Exercise(
         "g3 - g4 depends on the stick's signs alone: find those first",
         "of two readings that fit, one puts a centre of mass on the far side of its own joint",
     ),
-    mistakes=(
-        Mistake(
-            "as printed",
-            np.array([-1.9, -3.8, 14.1, -11.4]),
-            "that is Table A.1 as printed: the stick straight out, and g3 would be +22 kN m",
+    mistakes={
+        "that is Table A.1 as printed: the stick straight out, and g3 would be +22 kN m": (
+            np.array([-1.9, -3.8, 14.1, -11.4])
         ),
-        Mistake(
-            "as printed, q3cm without -pi/2",
-            np.array([-1.9, 86.2, 14.1, 78.6]),
-            "that is all as printed: the stick straight out, its centre of mass upright",
+        "that is all as printed: the stick straight out, its centre of mass upright": (
+            np.array([-1.9, 86.2, 14.1, 78.6])
         ),
-        Mistake(
-            "plus signs",
-            np.array([88.1, 86.2, 104.1, 78.6]),
-            "with plus signs the stick stands up: g3 - g4 would be -0.11, not +1.87 kN m",
+        "with plus signs the stick stands up: g3 - g4 would be -0.11, not +1.87 kN m": (
+            np.array([88.1, 86.2, 104.1, 78.6])
         ),
-        Mistake(
-            "runner-up",
-            np.array([-1.9, -176.2, 14.1, -168.6]),
-            "the torques fit, but the stick's centre of mass would lie behind its own joint",
+        "the torques fit, but the stick's centre of mass would lie behind its own joint": (
+            np.array([-1.9, -176.2, 14.1, -168.6])
         ),
-        Mistake(
-            "link and centre of mass swapped",
-            np.array([-86.2, -88.1, -78.6, -104.1]),
+        (
             "two and two have changed places: theta_3 and theta_4 are the links, theta_cm the "
-            "centres of mass",
+            "centres of mass"
+        ): np.array([-86.2, -88.1, -78.6, -104.1]),
+        "minus pi/2 and minus theta together fold the stick back along the boom": (
+            np.array([-178.1, -176.2, -194.1, -168.6])
         ),
-        Mistake(
-            "minus twice",
-            np.array([-178.1, -176.2, -194.1, -168.6]),
-            "minus pi/2 and minus theta together fold the stick back along the boom",
-        ),
-        Mistake(
-            "in radians",
-            lambda: np.radians(reading()),
-            "right in radians: give degrees here",
-        ),
-    ),
+        "right in radians: give degrees here": lambda: np.radians(reading()),
+    },
 )

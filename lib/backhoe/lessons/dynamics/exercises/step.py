@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics
 from backhoe.lessons.dynamics.exercises.postures import postures
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE
 
 
@@ -59,43 +59,27 @@ STEP = Exercise(
         "first the new speed from the acceleration, then the new angle from the new speed",
         "ddq = dynamics.forward_dynamics(q, dq, tau); return np.array([q_new, dq_new])",
     ),
-    mistakes=(
-        Mistake(
-            "explicit",
-            _explicit_step,
-            "that is explicit Euler: the new angle must use the new speed",
+    mistakes={
+        "that is explicit Euler: the new angle must use the new speed": _explicit_step,
+        "that is the other semi-implicit Euler, angle first: here the speed goes first": (
+            _position_first
         ),
-        Mistake(
-            "angle first",
-            _position_first,
-            "that is the other semi-implicit Euler, angle first: here the speed goes first",
+        "the angle moves with the new speed alone, not with the mean of old and new": (
+            _taylor_step
         ),
-        Mistake(
-            "mean speed",
-            _taylor_step,
-            "the angle moves with the new speed alone, not with the mean of old and new",
-        ),
-        Mistake(
-            "no dt in the angle",
+        "the angle needs the step as well: q + dt * dq_new": (
             lambda q, dq, tau, dt: np.array(
                 [q + semi_implicit_step(q, dq, tau, dt)[1], semi_implicit_step(q, dq, tau, dt)[1]]
-            ),
-            "the angle needs the step as well: q + dt * dq_new",
+            )
         ),
-        Mistake(
-            "swapped",
-            lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, dt)[::-1],
-            "the order: return the angles first, then the speeds",
+        "the order: return the angles first, then the speeds": (
+            lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, dt)[::-1]
         ),
-        Mistake(
-            "backwards",
-            lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, -dt),
-            "time runs backwards: check the signs before dt",
+        "time runs backwards: check the signs before dt": (
+            lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, -dt)
         ),
-        Mistake(
-            "no gravity",
-            _without_gravity,
-            "gravity is missing from the acceleration: use forward_dynamics, which has it",
+        "gravity is missing from the acceleration: use forward_dynamics, which has it": (
+            _without_gravity
         ),
-    ),
+    },
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def bayes(belief: NDArray, transition: NDArray, likelihood: NDArray) -> NDArray:
@@ -33,50 +33,34 @@ BAYES = Exercise(
     title="One step of a Bayes filter",
     reference=bayes,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "transition transposed",
-            lambda belief, transition, likelihood: bayes(belief, transition.T, likelihood),
-            "the transition is transposed: row i, column j is from j to i",
+    mistakes={
+        "the transition is transposed: row i, column j is from j to i": (
+            lambda belief, transition, likelihood: bayes(belief, transition.T, likelihood)
         ),
-        Mistake(
-            "not normalised",
-            lambda belief, transition, likelihood: likelihood * (transition @ belief),
-            "it does not sum to 1: the evidence P(z_k | z_1:k-1) is missing",
+        "it does not sum to 1: the evidence P(z_k | z_1:k-1) is missing": (
+            lambda belief, transition, likelihood: likelihood * (transition @ belief)
         ),
-        Mistake(
-            "measured before moved",
-            lambda belief, transition, likelihood: transition @ _normalised(likelihood * belief),
-            "the measurement comes before the move: it was taken at the new place",
+        "the measurement comes before the move: it was taken at the new place": (
+            lambda belief, transition, likelihood: transition @ _normalised(likelihood * belief)
         ),
-        Mistake(
-            "no move",
-            lambda belief, transition, likelihood: _normalised(likelihood * belief),
-            "the machine has not moved: carry the belief through the transition first",
+        "the machine has not moved: carry the belief through the transition first": (
+            lambda belief, transition, likelihood: _normalised(likelihood * belief)
         ),
-        Mistake(
-            "no measurement",
-            lambda belief, transition, likelihood: transition @ belief,
-            "that is the prediction alone: the likelihood is not used",
+        "that is the prediction alone: the likelihood is not used": (
+            lambda belief, transition, likelihood: transition @ belief
         ),
-        Mistake(
-            "likelihood alone",
-            lambda belief, transition, likelihood: _normalised(likelihood),
-            "that forgets all that was known before: multiply by the predicted belief",
+        "that forgets all that was known before: multiply by the predicted belief": (
+            lambda belief, transition, likelihood: _normalised(likelihood)
         ),
-        Mistake(
-            "added",
-            lambda belief, transition, likelihood: _normalised(likelihood + transition @ belief),
-            "likelihood and prediction are added: (4.4) multiplies them",
+        "likelihood and prediction are added: (4.4) multiplies them": (
+            lambda belief, transition, likelihood: _normalised(likelihood + transition @ belief)
         ),
-        Mistake(
-            "by the largest",
+        "it is divided by the largest value: divide by the sum": (
             lambda belief, transition, likelihood: (
                 likelihood * (transition @ belief) / (likelihood * (transition @ belief)).max()
-            ),
-            "it is divided by the largest value: divide by the sum",
+            )
         ),
-    ),
+    },
     hints=(
         "Predict: for each place, the sum over all places that the machine may have come from.",
         "transition @ belief, times likelihood element by element, divided by the sum of that.",

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.lessons.ekf.exercises.motion import encoder_noise, step_jacobian
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE
 
 _RADIUS, _GAUGE = BACKHOE.tracks.sprocket_radius, BACKHOE.tracks.gauge
@@ -67,70 +67,46 @@ CYCLE = Exercise(
     title="A whole cycle",
     reference=cycle,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "innovation not wrapped",
-            lambda *given: _other(*given, wrap=False),
-            "the innovation is not wrapped: a yaw of -179 deg is near one of 179 deg",
+    mistakes={
+        "the innovation is not wrapped: a yaw of -179 deg is near one of 179 deg": (
+            lambda *given: _other(*given, wrap=False)
         ),
-        Mistake(
-            "Q and R swapped",
-            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, R, M),
-            "the two noises are swapped: M is that of the sprockets, R that of the yaw",
+        "the two noises are swapped: M is that of the sprockets, R that of the yaw": (
+            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, R, M)
         ),
-        Mistake(
-            "R squared",
-            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, M, R**2),
-            "R is squared: it is a variance already, not a standard deviation",
+        "R is squared: it is a variance already, not a standard deviation": (
+            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, M, R**2)
         ),
-        Mistake(
-            "M squared",
-            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, M**2, R),
-            "M is squared: it is a variance already, not a standard deviation",
+        "M is squared: it is a variance already, not a standard deviation": (
+            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, M**2, R)
         ),
-        Mistake(
-            "Q forgotten",
-            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, 0.0, R),
-            "M is not used: the prediction adds the noise of the encoders",
+        "M is not used: the prediction adds the noise of the encoders": (
+            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, 0.0, R)
         ),
-        Mistake(
-            "F after the move",
-            lambda *given: _other(*given, after=True),
-            "F and Q are taken at the moved pose: (4.21) takes F at the estimate before the step",
+        "F and Q are taken at the moved pose: (4.21) takes F at the estimate before the step": (
+            lambda *given: _other(*given, after=True)
         ),
-        Mistake(
-            "P not carried",
-            lambda *given: _other(*given, carried=False),
-            "P is not carried by F: an error of the heading grows into one of the place",
+        "P is not carried by F: an error of the heading grows into one of the place": (
+            lambda *given: _other(*given, carried=False)
         ),
-        Mistake(
-            "covariance not updated",
-            lambda *given: _other(*given, kept=True),
-            "the covariance is that of the prediction: (4.19) is missing",
+        "the covariance is that of the prediction: (4.19) is missing": (
+            lambda *given: _other(*given, kept=True)
         ),
-        Mistake(
-            "innovation backwards",
-            lambda *given: _other(*given, sign=-1.0),
-            "it turns away from the measured yaw: the innovation is yaw less prediction",
+        "it turns away from the measured yaw: the innovation is yaw less prediction": (
+            lambda *given: _other(*given, sign=-1.0)
         ),
-        Mistake(
-            "heading alone",
-            lambda *given: _other(*given, share=(0.0, 0.0, 1.0)),
-            "only the heading is corrected: x and y err together with it, and P knows how",
+        "only the heading is corrected: x and y err together with it, and P knows how": (
+            lambda *given: _other(*given, share=(0.0, 0.0, 1.0))
         ),
-        Mistake(
-            "prediction alone",
+        "that is the prediction: the yaw is not used": (
             lambda x, P, left, right, yaw, M, R: _other(
                 x, P, left, right, yaw, M, R, sign=0.0, kept=True
-            ),
-            "that is the prediction: the yaw is not used",
+            )
         ),
-        Mistake(
-            "believed blindly",
-            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, M, 0.0),
-            "R is not used: the heading becomes the measured yaw, noise and all",
+        "R is not used: the heading becomes the measured yaw, noise and all": (
+            lambda x, P, left, right, yaw, M, R: cycle(x, P, left, right, yaw, M, 0.0)
         ),
-    ),
+    },
     hints=(
         "s and d as in 7.6, then 7.3 with v T_s = s and omega T_s = d for F, and 7.6 for Q.",
         "H = [[0, 0, 1]]; wrap yaw - x[2], then it is exercise 7.2 with that innovation.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def wrapped(angle: NDArray) -> NDArray:
@@ -46,71 +46,51 @@ NEES = Exercise(
     title="Does the filter know?",
     reference=nees,
     cases=_poses,
-    mistakes=(
-        Mistake(
-            "heading not wrapped",
-            lambda truth, estimate, P: (truth - estimate) @ np.linalg.inv(P) @ (truth - estimate),
-            "the heading is not wrapped: a whole turn is no error",
+    mistakes={
+        "the heading is not wrapped: a whole turn is no error": (
+            lambda truth, estimate, P: (truth - estimate) @ np.linalg.inv(P) @ (truth - estimate)
         ),
-        Mistake(
-            "each wrapped alone",
+        (
+            "each heading is wrapped by itself: 179 and -179 deg still differ by 358, wrap after "
+            "the subtraction"
+        ): (
             lambda truth, estimate, P: _squared(
                 np.append(
                     (truth - estimate)[:2], np.subtract(*wrapped(np.array([truth, estimate]))[:, 2])
                 ),
                 P,
-            ),
-            "each heading is wrapped by itself: 179 and -179 deg still differ by 358, wrap after "
-            "the subtraction",
+            )
         ),
-        Mistake(
-            "from 0 to 2 pi",
+        "wrapped to 0 ... 2 pi, a small error to the right becomes nearly a turn: -pi ... pi": (
             lambda truth, estimate, P: _squared(
                 np.append((truth - estimate)[:2], (truth - estimate)[2] % (2 * np.pi)), P
-            ),
-            "wrapped to 0 ... 2 pi, a small error to the right becomes nearly a turn: -pi ... pi",
+            )
         ),
-        Mistake(
-            "place wrapped too",
-            lambda truth, estimate, P: _squared(wrapped(truth - estimate), P),
-            "x and y are wrapped as well: they are metres, only the heading is an angle",
+        "x and y are wrapped as well: they are metres, only the heading is an angle": (
+            lambda truth, estimate, P: _squared(wrapped(truth - estimate), P)
         ),
-        Mistake(
-            "without the inverse",
-            lambda truth, estimate, P: _error(truth, estimate) @ P @ _error(truth, estimate),
-            "that multiplies by P: e^T P^-1 e has the inverse",
+        "that multiplies by P: e^T P^-1 e has the inverse": (
+            lambda truth, estimate, P: _error(truth, estimate) @ P @ _error(truth, estimate)
         ),
-        Mistake(
-            "root",
-            lambda truth, estimate, P: np.sqrt(nees(truth, estimate, P)),
-            "that is its root, a distance: NEES is squared",
+        "that is its root, a distance: NEES is squared": (
+            lambda truth, estimate, P: np.sqrt(nees(truth, estimate, P))
         ),
-        Mistake(
-            "per state",
-            lambda truth, estimate, P: nees(truth, estimate, P) / 3,
-            "it is divided by 3: NEES itself is 3 on average, not 1",
+        "it is divided by 3: NEES itself is 3 on average, not 1": (
+            lambda truth, estimate, P: nees(truth, estimate, P) / 3
         ),
-        Mistake(
-            "variances only",
-            lambda truth, estimate, P: np.sum(_error(truth, estimate) ** 2 / np.diag(P)),
-            "only the variances are used: errors of x, y and heading go together, use all of P",
+        "only the variances are used: errors of x, y and heading go together, use all of P": (
+            lambda truth, estimate, P: np.sum(_error(truth, estimate) ** 2 / np.diag(P))
         ),
-        Mistake(
-            "standard deviations for variances",
-            lambda truth, estimate, P: np.sum(_error(truth, estimate) ** 2 / np.sqrt(np.diag(P))),
-            "it divides squares by standard deviations: P holds variances",
+        "it divides squares by standard deviations: P holds variances": (
+            lambda truth, estimate, P: np.sum(_error(truth, estimate) ** 2 / np.sqrt(np.diag(P)))
         ),
-        Mistake(
-            "error alone",
-            lambda truth, estimate, P: np.sum(_error(truth, estimate) ** 2),
-            "P has no effect: an error counts by how much the filter expects",
+        "P has no effect: an error counts by how much the filter expects": (
+            lambda truth, estimate, P: np.sum(_error(truth, estimate) ** 2)
         ),
-        Mistake(
-            "inverse element by element",
-            lambda truth, estimate, P: _error(truth, estimate) @ (1 / P) @ _error(truth, estimate),
-            "1 / P inverts each element: np.linalg.inv(P) or solve inverts the matrix",
+        "1 / P inverts each element: np.linalg.inv(P) or solve inverts the matrix": (
+            lambda truth, estimate, P: _error(truth, estimate) @ (1 / P) @ _error(truth, estimate)
         ),
-    ),
+    },
     hints=(
         "The error first, with its third component brought back to between -pi and pi.",
         "e @ np.linalg.solve(P, e) is e^T P^-1 e.",
@@ -170,53 +150,31 @@ RMSE = Exercise(
     title="Repair Algorithm 2",
     reference=rmse,
     cases=_headings,
-    mistakes=(
-        Mistake(
-            "heading not wrapped",
-            lambda *drive: np.sqrt(np.mean(_errors(*drive) ** 2)),
-            "differences of headings are not wrapped: a jump of 2 pi counts as an error",
+    mistakes={
+        "differences of headings are not wrapped: a jump of 2 pi counts as an error": (
+            lambda *drive: np.sqrt(np.mean(_errors(*drive) ** 2))
         ),
-        Mistake(
-            "by place",
-            _by_place,
-            "it pairs sample i with sample i: they were not taken at the same time",
+        "it pairs sample i with sample i: they were not taken at the same time": _by_place,
+        "the sum has one term more than it is divided by, as in Algorithm 2: take the mean": (
+            _count_printed
         ),
-        Mistake(
-            "one too few",
-            _count_printed,
-            "the sum has one term more than it is divided by, as in Algorithm 2: take the mean",
+        "the last instant is left out: the grid includes the end, but np.arange stops before": (
+            _without_the_end
         ),
-        Mistake(
-            "end left out",
-            _without_the_end,
-            "the last instant is left out: the grid includes the end, but np.arange stops before",
+        "that is the mean square error: the root is missing": (
+            lambda *drive: np.mean(wrapped(_errors(*drive)) ** 2)
         ),
-        Mistake(
-            "no root",
-            lambda *drive: np.mean(wrapped(_errors(*drive)) ** 2),
-            "that is the mean square error: the root is missing",
+        "that is the mean of the absolute error: square, mean, root": (
+            lambda *drive: np.mean(np.abs(wrapped(_errors(*drive))))
         ),
-        Mistake(
-            "mean of the absolute",
-            lambda *drive: np.mean(np.abs(wrapped(_errors(*drive)))),
-            "that is the mean of the absolute error: square, mean, root",
+        "the mean error is taken off: a standard deviation hides a constant error": (
+            lambda *drive: np.std(wrapped(_errors(*drive)))
         ),
-        Mistake(
-            "standard deviation",
-            lambda *drive: np.std(wrapped(_errors(*drive))),
-            "the mean error is taken off: a standard deviation hides a constant error",
+        "that is the error at the end: all instants count": (
+            lambda *drive: np.abs(wrapped(_errors(*drive))[-1])
         ),
-        Mistake(
-            "last error",
-            lambda *drive: np.abs(wrapped(_errors(*drive))[-1]),
-            "that is the error at the end: all instants count",
-        ),
-        Mistake(
-            "degrees",
-            lambda *drive: np.degrees(rmse(*drive)),
-            "these are degrees: the headings are in radians",
-        ),
-    ),
+        "these are degrees: the headings are in radians": lambda *drive: np.degrees(rmse(*drive)),
+    },
     hints=(
         "For each instant of a grid 0, period, 2 period, ... the nearest sample of either signal.",
         "np.argmin(np.abs(t - instant)) finds it; wrap each difference, then square, mean, root.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE
 
 _RADIUS, _GAUGE = BACKHOE.tracks.sprocket_radius, BACKHOE.tracks.gauge
@@ -41,63 +41,41 @@ JACOBIAN = Exercise(
     title="Repair (4.25)",
     reference=step_jacobian,
     cases=_steps,
-    mistakes=(
-        Mistake(
-            "as printed",
-            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s) / T_s),
-            "T_s is missing, as in (4.25): v is metres a second, the step is v T_s metres",
+    mistakes={
+        "T_s is missing, as in (4.25): v is metres a second, the step is v T_s metres": (
+            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s) / T_s)
         ),
-        Mistake(
-            "sine and cosine swapped",
-            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s)[::-1] * (-1, -1)),
-            "sine and cosine are swapped: the derivative of the cosine is minus the sine",
+        "sine and cosine are swapped: the derivative of the cosine is minus the sine": (
+            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s)[::-1] * (-1, -1))
         ),
-        Mistake(
-            "not differentiated",
-            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s)[::-1] * (1, -1)),
-            "that is the step itself, cosine and sine: differentiate it by psi",
+        "that is the step itself, cosine and sine: differentiate it by psi": (
+            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s)[::-1] * (1, -1))
         ),
-        Mistake(
-            "minus forgotten",
-            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s) * (-1, 1)),
-            "the minus of the first row is missing: d cos/d psi = -sin",
+        "the minus of the first row is missing: d cos/d psi = -sin": (
+            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s) * (-1, 1))
         ),
-        Mistake(
-            "minus in the wrong row",
-            lambda psi, v, omega, T_s: _jacobian(-_column(psi, v, omega, T_s)),
-            "both signs are turned round: minus the sine in x, plus the cosine in y",
+        "both signs are turned round: minus the sine in x, plus the cosine in y": (
+            lambda psi, v, omega, T_s: _jacobian(-_column(psi, v, omega, T_s))
         ),
-        Mistake(
-            "heading at the start",
-            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s, 0.0)),
-            "the heading is that of the start: (4.25) rightly has that of the middle",
+        "the heading is that of the start: (4.25) rightly has that of the middle": (
+            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s, 0.0))
         ),
-        Mistake(
-            "heading at the end",
-            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s, 1.0)),
-            "the heading is that of the end, as in (4.24): take half of the turn",
+        "the heading is that of the end, as in (4.24): take half of the turn": (
+            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s, 1.0))
         ),
-        Mistake(
-            "rate for a step",
-            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s, 0.0) / T_s, 0.0),
-            "that is df/dx of the rate (4.20): a discrete F has an identity and T_s",
+        "that is df/dx of the rate (4.20): a discrete F has an identity and T_s": (
+            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s, 0.0) / T_s, 0.0)
         ),
-        Mistake(
-            "identity forgotten",
-            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s), 0.0),
-            "the identity is missing: an error of x before the step is one after it",
+        "the identity is missing: an error of x before the step is one after it": (
+            lambda psi, v, omega, T_s: _jacobian(_column(psi, v, omega, T_s), 0.0)
         ),
-        Mistake(
-            "transposed",
-            lambda psi, v, omega, T_s: step_jacobian(psi, v, omega, T_s).T,
-            "it is transposed: row x, column psi says what an error of psi does to x",
+        "it is transposed: row x, column psi says what an error of psi does to x": (
+            lambda psi, v, omega, T_s: step_jacobian(psi, v, omega, T_s).T
         ),
-        Mistake(
-            "psi in degrees",
-            lambda psi, v, omega, T_s: step_jacobian(np.radians(psi), v, np.radians(omega), T_s),
-            "psi and omega are in radians already",
+        "psi and omega are in radians already": (
+            lambda psi, v, omega, T_s: step_jacobian(np.radians(psi), v, np.radians(omega), T_s)
         ),
-    ),
+    },
     hints=(
         "x_k = x + v T_s cos(psi + omega T_s/2): differentiate by x, by y, by psi.",
         "Ones on the diagonal; in the last column -v T_s sin and v T_s cos of the middle heading.",
@@ -145,55 +123,37 @@ NOISE = Exercise(
     title="Noise of the encoders in the pose",
     reference=encoder_noise,
     cases=_noises,
-    mistakes=(
-        Mistake(
-            "standard deviation",
-            lambda psi, left, right, variance: _noise(psi, left, right, np.sqrt(variance)),
-            "that puts a standard deviation where a variance belongs",
+    mistakes={
+        "that puts a standard deviation where a variance belongs": (
+            lambda psi, left, right, variance: _noise(psi, left, right, np.sqrt(variance))
         ),
-        Mistake(
-            "variance squared",
-            lambda psi, left, right, variance: _noise(psi, left, right, variance**2),
-            "the variance is squared: G takes it as it is, G M G^T",
+        "the variance is squared: G takes it as it is, G M G^T": (
+            lambda psi, left, right, variance: _noise(psi, left, right, variance**2)
         ),
-        Mistake(
-            "radius forgotten",
-            lambda psi, left, right, variance: _noise(psi, left, right, variance / _RADIUS**2),
-            "the noise is in radians of the sprocket: r makes metres of it, r^2 square metres",
+        "the noise is in radians of the sprocket: r makes metres of it, r^2 square metres": (
+            lambda psi, left, right, variance: _noise(psi, left, right, variance / _RADIUS**2)
         ),
-        Mistake(
-            "both sides err alike",
+        "both sides err alike and the heading never: the encoders' noises are independent": (
             lambda psi, left, right, variance: _noise(
                 psi, left, right, variance, sides=np.ones((2, 2))
-            ),
-            "both sides err alike and the heading never: the encoders' noises are independent",
+            )
         ),
-        Mistake(
-            "half the gauge",
-            lambda psi, left, right, variance: _noise(psi, left, right, variance, _GAUGE / 2),
-            "the heading's noise is twice too large: the turn is r (right - left)/l, l the gauge",
+        "the heading's noise is twice too large: the turn is r (right - left)/l, l the gauge": (
+            lambda psi, left, right, variance: _noise(psi, left, right, variance, _GAUGE / 2)
         ),
-        Mistake(
-            "heading at the start",
-            lambda psi, left, right, variance: _noise(psi, left, right, variance, half=0.0),
-            "half of the turn is missing: an error of d also turns the way, by d/2",
+        "half of the turn is missing: an error of d also turns the way, by d/2": (
+            lambda psi, left, right, variance: _noise(psi, left, right, variance, half=0.0)
         ),
-        Mistake(
-            "place moved by s alone",
-            lambda psi, left, right, variance: _noise(psi, left, right, variance, lever=0.0),
-            "x and y change with the turn, too: differentiate the d/2 in their cosine and sine",
+        "x and y change with the turn, too: differentiate the d/2 in their cosine and sine": (
+            lambda psi, left, right, variance: _noise(psi, left, right, variance, lever=0.0)
         ),
-        Mistake(
-            "diagonal only",
-            lambda psi, left, right, variance: np.diag(np.diag(_noise(psi, left, right, variance))),
-            "only the variances are kept: an error of one sprocket moves x, y and psi together",
+        "only the variances are kept: an error of one sprocket moves x, y and psi together": (
+            lambda psi, left, right, variance: np.diag(np.diag(_noise(psi, left, right, variance)))
         ),
-        Mistake(
-            "on each of them",
-            lambda psi, left, right, variance: variance * np.eye(3),
-            "that is the encoders' variance on x, y and psi: carry it there with G",
+        "that is the encoders' variance on x, y and psi: carry it there with G": (
+            lambda psi, left, right, variance: variance * np.eye(3)
         ),
-    ),
+    },
     hints=(
         "s = r (left + right)/2, d = r (right - left)/l; x, y, psi change with s and d.",
         "G is d(x, y, psi)/d(left, right), shape (3, 2), by the chain rule; Q = variance G G^T.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def attitude_from_gravity(force: NDArray) -> NDArray:
@@ -35,57 +35,37 @@ GRAVITY = Exercise(
     title="Repair (4.22)",
     reference=attitude_from_gravity,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "as printed",
-            _printed,
-            "that is (4.22) as printed: roll and pitch are swapped, and a sign is lost",
+    mistakes={
+        "that is (4.22) as printed: roll and pitch are swapped, and a sign is lost": _printed,
+        "the names are right now; the sign of the pitch and the formula of the roll are not": (
+            lambda force: _printed(force)[::-1]
         ),
-        Mistake(
-            "names swapped back",
-            lambda force: _printed(force)[::-1],
-            "the names are right now; the sign of the pitch and the formula of the roll are not",
+        "the pitch is right; arctan(a_y / sqrt(a_x^2 + a_z^2)) is no Euler angle": (
+            lambda force: np.array([_printed(force)[1], attitude_from_gravity(force)[1]])
         ),
-        Mistake(
-            "roll as printed for the pitch",
-            lambda force: np.array([_printed(force)[1], attitude_from_gravity(force)[1]]),
-            "the pitch is right; arctan(a_y / sqrt(a_x^2 + a_z^2)) is no Euler angle",
+        "the sign of the pitch: nose down, x tips towards gravity and feels less than 0": (
+            lambda force: attitude_from_gravity(force) * (1, -1)
         ),
-        Mistake(
-            "sign of the pitch",
-            lambda force: attitude_from_gravity(force) * (1, -1),
-            "the sign of the pitch: nose down, x tips towards gravity and feels less than 0",
+        "the sign of the roll: left side up, y points up a little and feels more than 0": (
+            lambda force: attitude_from_gravity(force) * (-1, 1)
         ),
-        Mistake(
-            "sign of the roll",
-            lambda force: attitude_from_gravity(force) * (-1, 1),
-            "the sign of the roll: left side up, y points up a little and feels more than 0",
+        "roll and pitch are swapped: roll first": (
+            lambda force: attitude_from_gravity(force)[::-1]
         ),
-        Mistake(
-            "order",
-            lambda force: attitude_from_gravity(force)[::-1],
-            "roll and pitch are swapped: roll first",
-        ),
-        Mistake(
-            "arctan for arctan2",
+        "a machine on its roof looks upright: np.arctan2 keeps the quadrant": (
             lambda force: np.array(
                 [np.arctan(force[1] / force[2]), attitude_from_gravity(force)[1]]
-            ),
-            "a machine on its roof looks upright: np.arctan2 keeps the quadrant",
+            )
         ),
-        Mistake(
-            "degrees",
-            lambda force: np.degrees(attitude_from_gravity(force)),
-            "these are degrees: radians inside, degrees only at the edge",
+        "these are degrees: radians inside, degrees only at the edge": (
+            lambda force: np.degrees(attitude_from_gravity(force))
         ),
-        Mistake(
-            "pitch by a_z alone",
+        "the pitch forgets a_y: what is left of gravity is sqrt(a_y^2 + a_z^2)": (
             lambda force: np.array(
                 [np.arctan2(force[1], force[2]), np.arctan2(-force[0], force[2])]
-            ),
-            "the pitch forgets a_y: what is left of gravity is sqrt(a_y^2 + a_z^2)",
+            )
         ),
-    ),
+    },
     hints=(
         "At rest the force is g (-sin pitch, sin roll cos pitch, cos roll cos pitch).",
         "Roll from a_y and a_z, where cos pitch cancels; then pitch from -a_x and what is left.",

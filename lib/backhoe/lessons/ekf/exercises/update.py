@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def update(x: NDArray, P: NDArray, z: NDArray, H: NDArray, R: NDArray) -> tuple[NDArray, NDArray]:
@@ -56,67 +56,47 @@ UPDATE = Exercise(
     title="The update of a Kalman filter",
     reference=update,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "H transposed",
-            _transposed,
-            "H is transposed: K = P H^T S^-1 and S = H P H^T + R, with H as it is given, (m, n)",
+    mistakes={
+        "H is transposed: K = P H^T S^-1 and S = H P H^T + R, with H as it is given, (m, n)": (
+            _transposed
         ),
-        Mistake(
-            "covariance not updated",
-            lambda x, P, z, H, R: (update(x, P, z, H, R)[0], P),
-            "the state is right, the covariance is still the old one: (4.19) is missing",
+        "the state is right, the covariance is still the old one: (4.19) is missing": (
+            lambda x, P, z, H, R: (update(x, P, z, H, R)[0], P)
         ),
-        Mistake(
-            "as sure of what was not seen",
-            _by(lambda P, H, R: P @ H.T @ np.linalg.inv(R)),
-            "K = P H^T R^-1 forgets that the prediction is uncertain too: invert H P H^T + R",
+        "K = P H^T R^-1 forgets that the prediction is uncertain too: invert H P H^T + R": (
+            _by(lambda P, H, R: P @ H.T @ np.linalg.inv(R))
         ),
-        Mistake(
-            "noise forgotten",
-            _by(lambda P, H, R: P @ H.T @ np.linalg.inv(H @ P @ H.T)),
-            "R is not used: the measurement is believed as if it had no noise",
+        "R is not used: the measurement is believed as if it had no noise": (
+            _by(lambda P, H, R: P @ H.T @ np.linalg.inv(H @ P @ H.T))
         ),
-        Mistake(
-            "innovation backwards",
-            lambda x, P, z, H, R: (2 * x - update(x, P, z, H, R)[0], update(x, P, z, H, R)[1]),
-            "the state moves away from the measurement: the innovation is z - H x",
+        "the state moves away from the measurement: the innovation is z - H x": (
+            lambda x, P, z, H, R: (2 * x - update(x, P, z, H, R)[0], update(x, P, z, H, R)[1])
         ),
-        Mistake(
-            "standard deviation for variance",
-            lambda x, P, z, H, R: update(x, P, z, H, R @ R),
-            "R is squared: it is a covariance already, not a standard deviation",
+        "R is squared: it is a covariance already, not a standard deviation": (
+            lambda x, P, z, H, R: update(x, P, z, H, R @ R)
         ),
-        Mistake(
-            "roots for variances",
-            lambda x, P, z, H, R: update(x, P, z, H, np.diag(np.sqrt(np.diag(R)))),
-            "R holds variances: you have taken their roots",
+        "R holds variances: you have taken their roots": (
+            lambda x, P, z, H, R: update(x, P, z, H, np.diag(np.sqrt(np.diag(R))))
         ),
-        Mistake(
-            "covariance with plus",
+        "the covariance grows by a measurement: I - K H, with a minus": (
             lambda x, P, z, H, R: (
                 update(x, P, z, H, R)[0],
                 2 * P - update(x, P, z, H, R)[1],
-            ),
-            "the covariance grows by a measurement: I - K H, with a minus",
+            )
         ),
-        Mistake(
-            "K R K^T forgotten",
+        "K R K^T is missing in Joseph's form: the measurement's noise gets into the state": (
             lambda x, P, z, H, R: (
                 update(x, P, z, H, R)[0],
                 update(x, P, z, H, R)[1] - _last_term(P, H, R),
-            ),
-            "K R K^T is missing in Joseph's form: the measurement's noise gets into the state",
+            )
         ),
-        Mistake(
-            "measurement alone",
+        "the whole measurement is added: only what is new, z - H x, counts": (
             lambda x, P, z, H, R: (
                 x + P @ H.T @ np.linalg.inv(H @ P @ H.T + R) @ z,
                 update(x, P, z, H, R)[1],
-            ),
-            "the whole measurement is added: only what is new, z - H x, counts",
+            )
         ),
-    ),
+    },
     hints=(
         "S = H P H^T + R is how uncertain the innovation is; K = P H^T S^-1.",
         "x + K (z - H x), and (I - K H) P for this K: mind the order, (n, m) times (m, n).",

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.kinematics import printed
 from backhoe.lessons.kinematics.exercises.posture import OFFSETS, random_postures
 from backhoe.machine import BACKHOE, replace
@@ -65,58 +65,30 @@ INVERSE = Exercise(
     title="Inverse kinematics",
     reference=inverse_kinematics,
     cases=lambda rng: [(target,) for target in kinematics.pose(random_postures(rng, 100))],
-    mistakes=(
-        Mistake(
-            "elbow down",
-            _elbow_down,
-            "that is elbow down, outside the limits: take the other sign of the bend",
+    mistakes={
+        "that is elbow down, outside the limits: take the other sign of the bend": _elbow_down,
+        "right but for whole turns of the swing: bring it into -pi..pi": _unwrapped,
+        "np.arctan cannot tell front from back: use np.arctan2 for the swing": _half_plane,
+        "the swing is a quarter turn off: at q1 = 0 the arm points left": (
+            lambda target: _plus(target, (np.pi / 2, 0, 0, 0))
         ),
-        Mistake(
-            "swing not wrapped",
-            _unwrapped,
-            "right but for whole turns of the swing: bring it into -pi..pi",
+        "the swing axis is not at the base's origin: take b0 off x first": (
+            lambda target: _of_machine(target, base=replace(BACKHOE.base, offset=0.0))
         ),
-        Mistake(
-            "arctan for arctan2",
-            _half_plane,
-            "np.arctan cannot tell front from back: use np.arctan2 for the swing",
+        "the triangle starts at the boom's joint, b1 away from the swing axis": (
+            lambda target: _of_machine(target, swing=replace(BACKHOE.swing, offset=0.0))
         ),
-        Mistake(
-            "swing zero is forward",
-            lambda target: _plus(target, (np.pi / 2, 0, 0, 0)),
-            "the swing is a quarter turn off: at q1 = 0 the arm points left",
+        "the triangle starts at the boom's joint: take L0 + L1 off z": (
+            lambda target: _of_machine(target, base=replace(BACKHOE.base, height=0.0))
         ),
-        Mistake(
-            "b0 forgotten",
-            lambda target: _of_machine(target, base=replace(BACKHOE.base, offset=0.0)),
-            "the swing axis is not at the base's origin: take b0 off x first",
+        "the boom's joint is L0 + L1 above the ground: L1 is missing": (
+            lambda target: _of_machine(target, swing=replace(BACKHOE.swing, height=0.0))
         ),
-        Mistake(
-            "b1 forgotten",
-            lambda target: _of_machine(target, swing=replace(BACKHOE.swing, offset=0.0)),
-            "the triangle starts at the boom's joint, b1 away from the swing axis",
+        "with the elbow up the boom points above d: the sign of gamma is wrong": _gamma_added,
+        "these are q2* and q3*: take the offsets off to get q": (
+            lambda target: _plus(target, (0, *OFFSETS[:2], 0))
         ),
-        Mistake(
-            "L0 forgotten",
-            lambda target: _of_machine(target, base=replace(BACKHOE.base, height=0.0)),
-            "the triangle starts at the boom's joint: take L0 + L1 off z",
-        ),
-        Mistake(
-            "L1 forgotten",
-            lambda target: _of_machine(target, swing=replace(BACKHOE.swing, height=0.0)),
-            "the boom's joint is L0 + L1 above the ground: L1 is missing",
-        ),
-        Mistake(
-            "gamma's sign",
-            _gamma_added,
-            "with the elbow up the boom points above d: the sign of gamma is wrong",
-        ),
-        Mistake(
-            "offsets forgotten",
-            lambda target: _plus(target, (0, *OFFSETS[:2], 0)),
-            "these are q2* and q3*: take the offsets off to get q",
-        ),
-    ),
+    },
     hints=(
         "Swing first; then the triangle of boom, stick and d in the arm's plane; offsets last.",
         "bend = q3* = -arccos((d^2 - L2^2 - L3^2) / (2 L2 L3)); q2* = beta + gamma of the figure.",
@@ -166,61 +138,37 @@ DAMPED = Exercise(
     title="Repair (2.4)",
     reference=damped_step,
     cases=_damped_cases,
-    mistakes=(
-        Mistake(
-            "as printed in (2.4)",
-            lambda J, error, damping: printed.inverse_24(J, damping) @ error,
-            "that is (2.4) as printed: J + lambda^2 I can be singular itself",
+    mistakes={
+        "that is (2.4) as printed: J + lambda^2 I can be singular itself": (
+            lambda J, error, damping: printed.inverse_24(J, damping) @ error
         ),
-        Mistake(
-            "as printed in (2.5)",
-            lambda J, error, damping: printed.inverse_25(J, damping) @ error,
-            "that is the middle of (2.5): 1/(sigma + lambda^2) never gets small near sigma = 0",
+        "that is the middle of (2.5): 1/(sigma + lambda^2) never gets small near sigma = 0": (
+            lambda J, error, damping: printed.inverse_25(J, damping) @ error
         ),
-        Mistake(
-            "undamped",
-            lambda J, error, damping: np.linalg.solve(J, error),
-            "there is no damping in it: near the stretched arm it asks for enormous steps",
+        "there is no damping in it: near the stretched arm it asks for enormous steps": (
+            lambda J, error, damping: np.linalg.solve(J, error)
         ),
-        Mistake(
-            "pseudoinverse",
-            lambda J, error, damping: np.linalg.pinv(J) @ error,
-            "that is the pseudoinverse, which has no damping: near the stretched arm it explodes",
+        "that is the pseudoinverse, which has no damping: near the stretched arm it explodes": (
+            lambda J, error, damping: np.linalg.pinv(J) @ error
         ),
-        Mistake(
-            "for square J only",
-            _square_only,
+        (
             "right while J is square: with three rows svd(J, full_matrices=False) makes the "
-            "shapes fit",
+            "shapes fit"
+        ): _square_only,
+        "np.linalg.svd returns U, sigma and V^T, transposed already: V is V_T.T": _vt_for_v,
+        "the damping enters squared: lambda^2 I": (
+            lambda J, error, damping: damped_step(J, error, np.sqrt(damping))
         ),
-        Mistake(
-            "V^T for V",
-            _vt_for_v,
-            "np.linalg.svd returns U, sigma and V^T, transposed already: V is V_T.T",
+        "a J^T is missing: J^T (J J^T + lambda^2 I)^-1 e": (
+            lambda J, error, damping: np.linalg.solve(J @ J.T + damping**2 * np.eye(4), error)
         ),
-        Mistake(
-            "lambda for its square",
-            lambda J, error, damping: damped_step(J, error, np.sqrt(damping)),
-            "the damping enters squared: lambda^2 I",
-        ),
-        Mistake(
-            "last factor forgotten",
-            lambda J, error, damping: np.linalg.solve(J @ J.T + damping**2 * np.eye(4), error),
-            "a J^T is missing: J^T (J J^T + lambda^2 I)^-1 e",
-        ),
-        Mistake(
-            "transposes swapped",
-            _mixed,
-            "J^T (J J^T + ...)^-1 or (J^T J + ...)^-1 J^T: you have mixed the two forms",
-        ),
-        Mistake(
-            "damping subtracted",
+        "J^T (J J^T + ...)^-1 or (J^T J + ...)^-1 J^T: you have mixed the two forms": _mixed,
+        "the damping is added to sigma^2, not taken off": (
             lambda J, error, damping: _weighted(
                 J, error, damping, lambda s, lam: s / (s**2 - lam**2)
-            ),
-            "the damping is added to sigma^2, not taken off",
+            )
         ),
-    ),
+    },
     hints=(
         "Minimise |J dq - e|^2 + lambda^2 |dq|^2: set its gradient to zero.",
         "(J^T J + lambda^2 I) dq = J^T e; or with the SVD: the weights of (2.6), which are right.",

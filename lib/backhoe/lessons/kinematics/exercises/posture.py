@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE, Machine, replace
 
 OFFSETS = np.array([link.angle_offset for link in BACKHOE.links])
@@ -38,38 +38,26 @@ ANGLES = Exercise(
     title="From what you see to what you set",
     reference=joint_angles,
     cases=_angle_cases,
-    mistakes=(
-        Mistake(
-            "absolute for relative",
-            lambda direction, pitches: _angles(direction, np.asarray(pitches)),
-            "a joint turns its link relative to the link before it: take the difference of pitches",
+    mistakes={
+        "a joint turns its link relative to the link before it: take the difference of pitches": (
+            lambda direction, pitches: _angles(direction, np.asarray(pitches))
         ),
-        Mistake(
-            "offsets added",
-            lambda direction, pitches: _angles(direction, np.diff(pitches, prepend=0.0), 1.0),
-            "q* = q + offset, so q = q* - offset: you have added the offsets",
+        "q* = q + offset, so q = q* - offset: you have added the offsets": (
+            lambda direction, pitches: _angles(direction, np.diff(pitches, prepend=0.0), 1.0)
         ),
-        Mistake(
-            "offsets forgotten",
-            lambda direction, pitches: _angles(direction, np.diff(pitches, prepend=0.0), 0.0),
-            "these are q*, the angles of the table: take the offsets off to get q",
+        "these are q*, the angles of the table: take the offsets off to get q": (
+            lambda direction, pitches: _angles(direction, np.diff(pitches, prepend=0.0), 0.0)
         ),
-        Mistake(
-            "swing zero is forward",
-            lambda direction, pitches: joint_angles(direction + np.pi / 2, pitches),
-            "at q1 = 0 the arm points left, not forward: q1* = q1 + pi/2",
+        "at q1 = 0 the arm points left, not forward: q1* = q1 + pi/2": (
+            lambda direction, pitches: joint_angles(direction + np.pi / 2, pitches)
         ),
-        Mistake(
-            "swing turned the wrong way",
-            lambda direction, pitches: joint_angles(direction + np.pi, pitches),
-            "the swing is off by half a turn: q1 = direction - pi/2, not + pi/2",
+        "the swing is off by half a turn: q1 = direction - pi/2, not + pi/2": (
+            lambda direction, pitches: joint_angles(direction + np.pi, pitches)
         ),
-        Mistake(
-            "degrees returned",
-            lambda direction, pitches: np.degrees(joint_angles(direction, pitches)),
-            "these are degrees: everything inside the course is in radians",
+        "these are degrees: everything inside the course is in radians": (
+            lambda direction, pitches: np.degrees(joint_angles(direction, pitches))
         ),
-    ),
+    },
     hints=(
         "Find q2* first: the boom is the first link, so its pitch is q2* itself. Then the stick.",
         "q* = (pitch_boom, pitch_stick - pitch_boom, pitch_bucket - pitch_stick); q = q* - offset.",
@@ -114,49 +102,33 @@ SIDE_VIEW = Exercise(
     title="The teeth seen from the side",
     reference=side_view,
     cases=lambda rng: [(q,) for q in random_postures(rng, 60)],
-    mistakes=(
-        Mistake(
-            "relative for absolute",
-            lambda q: _side(q[1:] + OFFSETS, q[3] + OFFSETS[2]),
-            "each link is pitched by the sum of all q* up to it, not by its own q* alone",
+    mistakes={
+        "each link is pitched by the sum of all q* up to it, not by its own q* alone": (
+            lambda q: _side(q[1:] + OFFSETS, q[3] + OFFSETS[2])
         ),
-        Mistake(
-            "offsets forgotten",
-            lambda q: _side(np.cumsum(q[1:]), q[1:].sum()),
-            "the offsets of Table A.1 are missing: q* = q + offset",
+        "the offsets of Table A.1 are missing: q* = q + offset": (
+            lambda q: _side(np.cumsum(q[1:]), q[1:].sum())
         ),
-        Mistake(
-            "height of the base forgotten",
-            lambda q: side_view(q) - (0, BACKHOE.base.height, 0),
-            "the height counts from the ground: add the base's height L0",
+        "the height counts from the ground: add the base's height L0": (
+            lambda q: side_view(q) - (0, BACKHOE.base.height, 0)
         ),
-        Mistake(
-            "height of the boom's joint forgotten",
-            lambda q: side_view(q) - (0, BACKHOE.base.height + BACKHOE.swing.height, 0),
-            "the boom's joint is L0 + L1 above the ground: add both",
+        "the boom's joint is L0 + L1 above the ground: add both": (
+            lambda q: side_view(q) - (0, BACKHOE.base.height + BACKHOE.swing.height, 0)
         ),
-        Mistake(
-            "boom's joint on the swing axis",
-            lambda q: side_view(q) - (BACKHOE.swing.offset, 0, 0),
-            "the boom's joint is b1 away from the swing axis: start rho there",
+        "the boom's joint is b1 away from the swing axis: start rho there": (
+            lambda q: side_view(q) - (BACKHOE.swing.offset, 0, 0)
         ),
-        Mistake(
-            "from the base's origin",
-            lambda q: side_view(q) - (-BACKHOE.base.offset, 0, 0),
-            "rho counts from the swing axis, which is b0 ahead of the base's origin: leave b0 out",
+        "rho counts from the swing axis, which is b0 ahead of the base's origin: leave b0 out": (
+            lambda q: side_view(q) - (-BACKHOE.base.offset, 0, 0)
         ),
-        Mistake(
-            "wrapped",
-            _wrapped,
-            "right but for whole turns of the pitch: leave it as the sum of the q*, do not wrap it",
+        "right but for whole turns of the pitch: leave it as the sum of the q*, do not wrap it": (
+            _wrapped
         ),
-        Mistake("sine and cosine", _swapped, "sine and cosine are swapped: pitch 0 is level"),
-        Mistake(
-            "stops at the pin",
-            lambda q: _side(_pitches(q), _pitches(q)[-1], LENGTHS * (1, 1, 0)),
-            "that is the bucket's pin: one more length L4 leads to the teeth",
+        "sine and cosine are swapped: pitch 0 is level": _swapped,
+        "that is the bucket's pin: one more length L4 leads to the teeth": (
+            lambda q: _side(_pitches(q), _pitches(q)[-1], LENGTHS * (1, 1, 0))
         ),
-    ),
+    },
     hints=(
         "Start at the boom's joint, (b1, L0 + L1), and add three arrows, one a link.",
         "The arrow of a link is its length times (cos pitch, sin pitch); np.cumsum adds the q*.",
@@ -227,49 +199,31 @@ DEPTH = Exercise(
     title="How deep does it dig?",
     reference=dig_depth,
     cases=_depth_cases,
-    mistakes=(
-        Mistake(
-            "without limits",
-            lambda machine: sum(link.length for link in machine.links) - _height(machine),
-            "the boom does not hang straight down: keep every joint within its limits",
+    mistakes={
+        "the boom does not hang straight down: keep every joint within its limits": (
+            lambda machine: sum(link.length for link in machine.links) - _height(machine)
         ),
-        Mistake(
-            "this machine only",
-            lambda machine: dig_depth(BACKHOE),
-            "that is BACKHOE's own depth each time: use the machine that you are given",
+        "that is BACKHOE's own depth each time: use the machine that you are given": (
+            lambda machine: dig_depth(BACKHOE)
         ),
-        Mistake(
-            "lengths of this machine",
-            lambda machine: dig_depth(_with_joints_of(machine)),
+        (
             "the limits are the given machine's, the lengths are not: pass machine=machine to "
-            "forward_kinematics",
+            "forward_kinematics"
+        ): lambda machine: dig_depth(_with_joints_of(machine)),
+        "that is the depth of the bucket's pin: the teeth reach further": _depth_of_pin,
+        "that is the depth below the boom's joint: the ground is L0 + L1 below it": (
+            lambda machine: dig_depth(machine) + _height(machine)
         ),
-        Mistake(
-            "pin for teeth",
-            _depth_of_pin,
-            "that is the depth of the bucket's pin: the teeth reach further",
+        "that is a height: the depth below the ground is positive": (
+            lambda machine: -dig_depth(machine)
         ),
-        Mistake(
-            "from the boom's joint",
-            lambda machine: dig_depth(machine) + _height(machine),
-            "that is the depth below the boom's joint: the ground is L0 + L1 below it",
+        "the bucket joint stays at zero in your search: let it turn as well": (
+            lambda machine: _held(machine, 3)
         ),
-        Mistake(
-            "a height",
-            lambda machine: -dig_depth(machine),
-            "that is a height: the depth below the ground is positive",
+        "the stick joint stays at zero in your search: let it turn as well": (
+            lambda machine: _held(machine, 2)
         ),
-        Mistake(
-            "bucket held still",
-            lambda machine: _held(machine, 3),
-            "the bucket joint stays at zero in your search: let it turn as well",
-        ),
-        Mistake(
-            "stick held still",
-            lambda machine: _held(machine, 2),
-            "the stick joint stays at zero in your search: let it turn as well",
-        ),
-    ),
+    },
     hints=(
         "Try many postures between machine.lower and machine.upper: 50 angles a joint will do.",
         "np.meshgrid gives q of shape (..., 4); forward_kinematics(q, machine=machine)[..., 2, 3].",

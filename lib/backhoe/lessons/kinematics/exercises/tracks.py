@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.kinematics import printed
 from backhoe.machine import BACKHOE
 
@@ -36,43 +36,25 @@ TRACKS = Exercise(
     title="Repair (2.10)",
     reference=track_matrix,
     cases=lambda rng: [(heading,) for heading in rng.uniform(-np.pi, np.pi, 30)],
-    mistakes=(
-        Mistake(
-            "as printed",
-            printed.track_matrix,
-            "that is (2.10) as printed: with equal speeds on both sides it stands still",
+    mistakes={
+        "that is (2.10) as printed: with equal speeds on both sides it stands still": (
+            printed.track_matrix
         ),
-        Mistake(
-            "signs repaired, radius not",
-            _signs_only,
-            "it divides by r: a larger sprocket must drive faster, so multiply by r",
+        "it divides by r: a larger sprocket must drive faster, so multiply by r": _signs_only,
+        "both tracks drive the middle forward: no minus in the first two rows": _radii_only,
+        "the turn has the wrong sign: a faster right track turns the machine to the left": (
+            lambda heading: _scaled((1, 1, -1), heading)
         ),
-        Mistake(
-            "radius repaired, signs not",
-            _radii_only,
-            "both tracks drive the middle forward: no minus in the first two rows",
+        "the turn is too fast: divide the difference of the tracks by their whole gauge l": (
+            lambda heading: _scaled((1, 1, 2), heading)
         ),
-        Mistake(
-            "right and left",
-            lambda heading: _scaled((1, 1, -1), heading),
-            "the turn has the wrong sign: a faster right track turns the machine to the left",
+        "the middle moves at the mean of both tracks: a factor 1/2 is missing": (
+            lambda heading: _scaled((2, 2, 1), heading)
         ),
-        Mistake(
-            "half the gauge or none",
-            lambda heading: _scaled((1, 1, 2), heading),
-            "the turn is too fast: divide the difference of the tracks by their whole gauge l",
+        "that takes track speeds in m/s: the sprockets' speeds come in rad/s, so r is missing": (
+            lambda heading: _scaled(1 / _RADIUS, heading)
         ),
-        Mistake(
-            "sum for mean",
-            lambda heading: _scaled((2, 2, 1), heading),
-            "the middle moves at the mean of both tracks: a factor 1/2 is missing",
-        ),
-        Mistake(
-            "track speeds",
-            lambda heading: _scaled(1 / _RADIUS, heading),
-            "that takes track speeds in m/s: the sprockets' speeds come in rad/s, so r is missing",
-        ),
-    ),
+    },
     hints=(
         "Put v_r = r Omega_r and v_l = r Omega_l into (2.9), and what comes out into (2.8).",
         "v = r/2 (Omega_r + Omega_l), omega = r/l (Omega_r - Omega_l): rows for x, y and psi.",

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.kinematics import printed
 from backhoe.lessons.kinematics.exercises.posture import random_postures
 
@@ -56,43 +56,21 @@ ANGULAR = Exercise(
     title="Repair (A.18)",
     reference=angular_jacobian,
     cases=lambda rng: [(q,) for q in random_postures(rng, 40)],
-    mistakes=(
-        Mistake(
-            "as printed",
-            lambda q: printed.angular_jacobians(q)[3],
-            "that is (A.18) as printed: stick and bucket do not turn about the vertical",
+    mistakes={
+        "that is (A.18) as printed: stick and bucket do not turn about the vertical": (
+            lambda q: printed.angular_jacobians(q)[3]
         ),
-        Mistake(
-            "half repaired",
-            _half_repaired,
-            "the printed ones are still in the last row: those joints have no vertical part",
+        "the printed ones are still in the last row: those joints have no vertical part": (
+            _half_repaired
         ),
-        Mistake(
-            "q1 for q1*",
-            lambda q: _axes((0, 0, 1), *(_across(q[0]),) * 3),
-            "the axes use q1 where q1* = q1 + pi/2 belongs",
+        "the axes use q1 where q1* = q1 + pi/2 belongs": (
+            lambda q: _axes((0, 0, 1), *(_across(q[0]),) * 3)
         ),
-        Mistake(
-            "along the arm",
-            _along,
-            "those axes point along the arm: the joints' axes lie across it",
-        ),
-        Mistake(
-            "turned round",
-            _flipped,
-            "the three horizontal axes point the other way: positive turns lift the link",
-        ),
-        Mistake(
-            "no bucket",
-            _stick_only,
-            "that is J_w3, of the stick: the bucket joint turns the bucket as well",
-        ),
-        Mistake(
-            "no swing",
-            _without_swing,
-            "the swing turns the bucket too: its column is (0, 0, 1)",
-        ),
-    ),
+        "those axes point along the arm: the joints' axes lie across it": _along,
+        "the three horizontal axes point the other way: positive turns lift the link": _flipped,
+        "that is J_w3, of the stick: the bucket joint turns the bucket as well": _stick_only,
+        "the swing turns the bucket too: its column is (0, 0, 1)": _without_swing,
+    },
     hints=(
         "Column i is the unit vector, in the base frame, of the axis that joint i turns about.",
         "T_01, third column: the axis of the boom's joint. How do the three horizontal axes lie?",
@@ -136,43 +114,29 @@ GRADING = Exercise(
     title="Level the ground",
     reference=grading_speeds,
     cases=lambda rng: [(q, rng.uniform(0.1, 0.6)) for q in random_postures(rng, 40)],
-    mistakes=(
-        Mistake(
-            "bucket joint held still",
-            lambda q, speed: _solved(_task(q, (0.0, 0.0, 1.0)), (speed, 0.0, 0.0)),
-            "the bucket joint stands still, so the bucket turns with the stick: pitch is a sum",
+    mistakes={
+        "the bucket joint stands still, so the bucket turns with the stick: pitch is a sum": (
+            lambda q, speed: _solved(_task(q, (0.0, 0.0, 1.0)), (speed, 0.0, 0.0))
         ),
-        Mistake(
-            "pitch left free",
-            _pseudo_inverse,
-            "the teeth move level, but the bucket's pitch changes: add a row that keeps it",
+        "the teeth move level, but the bucket's pitch changes: add a row that keeps it": (
+            _pseudo_inverse
         ),
-        Mistake(
-            "speed left out",
-            lambda q, speed: grading_speeds(q, 1.0),
-            "that is for 1 m/s whatever is asked: the wanted speed is not used",
+        "that is for 1 m/s whatever is asked: the wanted speed is not used": (
+            lambda q, speed: grading_speeds(q, 1.0)
         ),
-        Mistake(
-            "inwards",
-            lambda q, speed: grading_speeds(q, -speed),
-            "the teeth move towards the machine: the sign is wrong",
+        "the teeth move towards the machine: the sign is wrong": (
+            lambda q, speed: grading_speeds(q, -speed)
         ),
-        Mistake(
-            "upwards",
-            lambda q, speed: _solved(_task(q), (0.0, speed, 0.0)),
-            "the teeth move straight up: the speed belongs to the horizontal row",
+        "the teeth move straight up: the speed belongs to the horizontal row": (
+            lambda q, speed: _solved(_task(q), (0.0, speed, 0.0))
         ),
-        Mistake(
-            "along x",
-            _along_x,
-            "the speed along x is right, but outwards is along x only when the arm points forward",
+        "the speed along x is right, but outwards is along x only when the arm points forward": (
+            _along_x
         ),
-        Mistake(
-            "transposed",
-            lambda q, speed: np.append(0.0, _task(q).T @ (speed, 0.0, 0.0)),
-            "that is the transpose of the Jacobian: it maps forces; velocities need the inverse",
+        "that is the transpose of the Jacobian: it maps forces; velocities need the inverse": (
+            lambda q, speed: np.append(0.0, _task(q).T @ (speed, 0.0, 0.0))
         ),
-    ),
+    },
     hints=(
         "Three unknowns (boom, stick, bucket), three wishes: outward speed, no lift, no tilt.",
         "Rows: cos(q1*) J[0] + sin(q1*) J[1], J[2], (0, 1, 1, 1); drop column 0; np.linalg.solve.",

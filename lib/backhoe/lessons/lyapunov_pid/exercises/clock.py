@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from backhoe.arm import dynamics
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.lyapunov_pid.exercises.loop import RADIANS
 from backhoe.machine import BACKHOE
 
@@ -56,49 +56,31 @@ CLOCK = Exercise(
         "the eigenvalues of I - dt M^-1 K_d lie between -1 and 1: which one leaves first?",
         "with s K_d they are 1 - s dt lambda: solve s dt lambda_max(M^-1 K_d) = 2 for s",
     ),
-    mistakes=(
-        Mistake(
-            "no overshoot",
-            lambda q, kd, dt: clock_limit(q, kd, dt) / 2,
-            "that is where the speed stops in one step; it is stable up to an eigenvalue of -1",
+    mistakes={
+        "that is where the speed stops in one step; it is stable up to an eigenvalue of -1": (
+            lambda q, kd, dt: clock_limit(q, kd, dt) / 2
         ),
-        Mistake(
-            "diagonal of M",
-            _diagonal,
-            "the joints do not move apart: the diagonal of M is too heavy for the bucket alone",
+        "the joints do not move apart: the diagonal of M is too heavy for the bucket alone": (
+            _diagonal
         ),
-        Mistake(
-            "joint by joint",
-            _apart,
-            "nearly: 1/(M^-1)_jj is each joint's effective inertia, but K_d acts on all at once",
+        "nearly: 1/(M^-1)_jj is each joint's effective inertia, but K_d acts on all at once": (
+            _apart
         ),
-        Mistake(
-            "extremes",
-            _extremes,
-            "that is safe but too strict: the lightest motion does not have the largest damper",
+        "that is safe but too strict: the lightest motion does not have the largest damper": (
+            _extremes
         ),
-        Mistake(
-            "slowest",
-            _slowest,
-            "that is the last eigenvalue to become unstable, not the first",
-        ),
-        Mistake(
-            "K_d M",
+        "that is the last eigenvalue to become unstable, not the first": _slowest,
+        "K_d / M, not K_d times M: heavy joints bear more damping": (
             lambda q, kd, dt: (
                 2 / (dt * np.linalg.eigvals(dynamics.mass_matrix(q) @ np.diag(kd)).real.max())
-            ),
-            "K_d / M, not K_d times M: heavy joints bear more damping",
+            )
         ),
-        Mistake(
-            "no dt",
-            lambda q, kd, dt: dt * clock_limit(q, kd, dt),
-            "dt is missing: the slower the clock, the less damping it bears",
+        "dt is missing: the slower the clock, the less damping it bears": (
+            lambda q, kd, dt: dt * clock_limit(q, kd, dt)
         ),
-        Mistake(
-            "upside down",
-            lambda q, kd, dt: 1 / clock_limit(q, kd, dt),
-            "that is how far the gains are used up; asked is the factor that is still allowed",
+        "that is how far the gains are used up; asked is the factor that is still allowed": (
+            lambda q, kd, dt: 1 / clock_limit(q, kd, dt)
         ),
-        Mistake("radians", lambda q, kd, dt: clock_limit(np.radians(q), kd, dt), RADIANS),
-    ),
+        (RADIANS): (lambda q, kd, dt: clock_limit(np.radians(q), kd, dt)),
+    },
 )

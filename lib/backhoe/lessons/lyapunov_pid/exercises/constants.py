@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.lyapunov_pid.exercises.loop import RADIANS
 from backhoe.machine import BACKHOE
 
@@ -38,49 +38,33 @@ GRAVITY_CONSTANT = Exercise(
         "(A.13) for neighbours: ||dg|| <= k_g ||dq||. By how much can the matrix dg/dq stretch?",
         "np.linalg.norm(dg_dq, 2) of each posture (its largest singular value), then the maximum",
     ),
-    mistakes=(
-        Mistake(
-            "n max",
-            lambda postures: 4 * np.abs(_slopes(postures)).max(),
-            "that is the printed recipe n max|dg_i/dq_j|: it holds, but it is not the smallest",
+    mistakes={
+        "that is the printed recipe n max|dg_i/dq_j|: it holds, but it is not the smallest": (
+            lambda postures: 4 * np.abs(_slopes(postures)).max()
         ),
-        Mistake(
-            "largest entry",
-            lambda postures: np.abs(_slopes(postures)).max(),
-            "the largest entry is too small: a matrix can stretch a vector by more than that",
+        "the largest entry is too small: a matrix can stretch a vector by more than that": (
+            lambda postures: np.abs(_slopes(postures)).max()
         ),
-        Mistake(
-            "signed",
-            lambda postures: np.linalg.eigvalsh(_slopes(postures)).max(),
-            "eigenvalues of dg/dq can be negative (a raised boom gets lighter): take their size",
+        "eigenvalues of dg/dq can be negative (a raised boom gets lighter): take their size": (
+            lambda postures: np.linalg.eigvalsh(_slopes(postures)).max()
         ),
-        Mistake(
-            "Frobenius",
-            lambda postures: np.linalg.norm(_slopes(postures), axis=(-2, -1)).max(),
-            "that is the Frobenius norm, np.linalg.norm without its second argument 2",
+        "that is the Frobenius norm, np.linalg.norm without its second argument 2": (
+            lambda postures: np.linalg.norm(_slopes(postures), axis=(-2, -1)).max()
         ),
-        Mistake(
-            "mean",
-            lambda postures: np.abs(np.linalg.eigvalsh(_slopes(postures))).max(axis=-1).mean(),
-            "a bound holds in every posture: the maximum over the postures, not their mean",
+        "a bound holds in every posture: the maximum over the postures, not their mean": (
+            lambda postures: np.abs(np.linalg.eigvalsh(_slopes(postures))).max(axis=-1).mean()
         ),
-        Mistake(
-            "first posture",
-            lambda postures: gravity_constant(postures[:1]),
-            "that is the constant of the first posture alone",
+        "that is the constant of the first posture alone": (
+            lambda postures: gravity_constant(postures[:1])
         ),
-        Mistake(
-            "gravity itself",
-            lambda postures: np.linalg.norm(dynamics.gravity_torque(postures), axis=-1).max(),
-            "that is the largest gravity torque, k' of (A.14): k_g bounds how fast it changes",
+        "that is the largest gravity torque, k' of (A.14): k_g bounds how fast it changes": (
+            lambda postures: np.linalg.norm(dynamics.gravity_torque(postures), axis=-1).max()
         ),
-        Mistake(
-            "per degree",
-            lambda postures: np.radians(gravity_constant(postures)),
-            "that is per degree: give it per radian",
+        "that is per degree: give it per radian": (
+            lambda postures: np.radians(gravity_constant(postures))
         ),
-        Mistake("radians", lambda postures: gravity_constant(np.radians(postures)), RADIANS),
-    ),
+        (RADIANS): (lambda postures: gravity_constant(np.radians(postures))),
+    },
 )
 
 
@@ -150,78 +134,52 @@ CERTIFICATE = Exercise(
         "alpha",
         "W22 = lambda_min(K_d) - alpha (lambda_max(M) + k_C1 ||error||), solved for the error",
     ),
-    mistakes=(
-        Mistake(
-            "favourable",
-            _favourable,
-            "the worst counts: the smallest K_p and K_d, the largest K_i",
+    mistakes={
+        "the worst counts: the smallest K_p and K_d, the largest K_i": _favourable,
+        "lambda_min of K_d, not lambda_max: the weakest damper decides": (
+            lambda kp, kd, ki, *others: certificate(kp, kd.max(), ki, *others)
         ),
-        Mistake(
-            "largest K_d",
-            lambda kp, kd, ki, *others: certificate(kp, kd.max(), ki, *others),
-            "lambda_min of K_d, not lambda_max: the weakest damper decides",
+        "lambda_max of K_i, not lambda_min: the strongest integral decides": (
+            lambda kp, kd, ki, *others: certificate(kp, kd, ki.min(), *others)
         ),
-        Mistake(
-            "smallest K_i",
-            lambda kp, kd, ki, *others: certificate(kp, kd, ki.min(), *others),
-            "lambda_max of K_i, not lambda_min: the strongest integral decides",
+        "k_g is missing: gravity works against the springs, lambda_min(K_p) - k_g is left": (
+            _without_gravity
         ),
-        Mistake(
-            "no k_g",
-            _without_gravity,
-            "k_g is missing: gravity works against the springs, lambda_min(K_p) - k_g is left",
+        "(3.17) has lambda_max(M) squared: test the units, alpha is 1/s": (
+            _with(highest=lambda kp, kd, ki, kg, kc1, least, most: least * kd.min() / most)
         ),
-        Mistake(
-            "not squared",
-            _with(highest=lambda kp, kd, ki, kg, kc1, least, most: least * kd.min() / most),
-            "(3.17) has lambda_max(M) squared: test the units, alpha is 1/s",
+        "the upper bound has K_d: K_p there is the slip of (3.23), and the units do not fit": (
+            _with(highest=lambda kp, kd, ki, kg, kc1, least, most: least * kp.min() / most**2)
         ),
-        Mistake(
-            "K_p for K_d",
-            _with(highest=lambda kp, kd, ki, kg, kc1, least, most: least * kp.min() / most**2),
-            "the upper bound has K_d: K_p there is the slip of (3.23), and the units do not fit",
+        "that is the sharper bound of section 8; (3.17) also has lambda_min(M)/lambda_max(M)": (
+            _with(highest=lambda kp, kd, ki, kg, kc1, least, most: kd.min() / most)
         ),
-        Mistake(
-            "Schur",
-            _with(highest=lambda kp, kd, ki, kg, kc1, least, most: kd.min() / most),
-            "that is the sharper bound of section 8; (3.17) also has lambda_min(M)/lambda_max(M)",
-        ),
-        Mistake(
-            "no k_C1",
+        "k_C1 is missing in the third number: kg m^2 over kg m^2 gives radians": (
             _with(
                 region=lambda kp, kd, ki, kg, kc1, least, most: (
                     kd.min() * (kp.min() - kg) / ki.max() - most
                 )
-            ),
-            "k_C1 is missing in the third number: kg m^2 over kg m^2 gives radians",
+            )
         ),
-        Mistake(
-            "no inertia",
+        "lambda_max(M) is missing in the third number: the thesis left it out, too": (
             _with(
                 region=lambda kp, kd, ki, kg, kc1, least, most: (
                     kd.min() * (kp.min() - kg) / ki.max() / kc1
                 )
-            ),
-            "lambda_max(M) is missing in the third number: the thesis left it out, too",
+            )
         ),
-        Mistake(
-            "at the highest alpha",
+        "the bound is widest at the lowest alpha: put that one in": (
             _with(
                 region=lambda kp, kd, ki, kg, kc1, least, most: _bound(
                     kd.min(), least * kd.min() / most**2, kc1, most
                 )
-            ),
-            "the bound is widest at the lowest alpha: put that one in",
+            )
         ),
-        Mistake(
-            "clipped",
-            lambda *inputs: (*certificate(*inputs)[:2], max(0.0, certificate(*inputs)[2])),
-            "a negative third number says how much is missing: leave it as it is",
+        "a negative third number says how much is missing: leave it as it is": (
+            lambda *inputs: (*certificate(*inputs)[:2], max(0.0, certificate(*inputs)[2]))
         ),
-        Mistake(
-            "degrees",
-            lambda *inputs: (*certificate(*inputs)[:2], np.degrees(certificate(*inputs)[2])),
-            "the third number in radians, please: then its unit is what the formula gives",
+        "the third number in radians, please: then its unit is what the formula gives": (
+            lambda *inputs: (*certificate(*inputs)[:2], np.degrees(certificate(*inputs)[2]))
         ),
-    ),
+    },
 )

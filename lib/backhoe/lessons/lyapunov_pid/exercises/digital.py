@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 Step = Callable[[NDArray, NDArray, NDArray], NDArray]
 
@@ -89,68 +89,40 @@ def _other_sign(kp: NDArray, ki: NDArray, kd: NDArray, dt: float, limit: NDArray
     return digital_pid(kp, ki, -kd, dt, limit)
 
 
-MISTAKES = (
-    Mistake(
-        "no dt in the sum",
-        partial(_variant, sum_step=1.0),
-        "the integral without dt: faster sampling would make it stronger",
+MISTAKES = {
+    "the integral without dt: faster sampling would make it stronger": (
+        partial(_variant, sum_step=1.0)
     ),
-    Mistake(
-        "no dt in the rate",
-        partial(_variant, rate_step=1.0),
-        "the measured speed is a difference divided by dt",
+    "the measured speed is a difference divided by dt": partial(_variant, rate_step=1.0),
+    "the difference of the error kicks when the reference jumps: rate less measured speed": (
+        partial(_variant, kick=True)
     ),
-    Mistake(
-        "kick",
-        partial(_variant, kick=True),
-        "the difference of the error kicks when the reference jumps: rate less measured speed",
+    "the reference moves: K_d times (rate - measured speed), or the joint lags behind": (
+        partial(_variant, reference_rate=0.0)
     ),
-    Mistake(
-        "no rate",
-        partial(_variant, reference_rate=0.0),
-        "the reference moves: K_d times (rate - measured speed), or the joint lags behind",
+    "the sign of the derivative: a measurement that rises must lower the output": _other_sign,
+    "the first sample has no sample before it: let its derivative term be zero": (
+        partial(_variant, start="zero")
     ),
-    Mistake(
-        "sign of the derivative",
-        _other_sign,
-        "the sign of the derivative: a measurement that rises must lower the output",
+    "the sum in (3.28) goes up to k: the present error belongs to it": (
+        partial(_variant, late=True)
     ),
-    Mistake(
-        "first sample",
-        partial(_variant, start="zero"),
-        "the first sample has no sample before it: let its derivative term be zero",
+    "the output is limited, but the integral goes on growing meanwhile: it winds up": (
+        partial(_variant, rule="always")
     ),
-    Mistake(
-        "late integral",
-        partial(_variant, late=True),
-        "the sum in (3.28) goes up to k: the present error belongs to it",
+    "the integral stands still whenever the output is at its limit: let it come back in": (
+        partial(_variant, rule="saturated")
     ),
-    Mistake(
-        "no anti-windup",
-        partial(_variant, rule="always"),
-        "the output is limited, but the integral goes on growing meanwhile: it winds up",
+    "clamped on the wrong side: the integral may move inwards, and must not move outwards": (
+        partial(_variant, rule="outwards")
     ),
-    Mistake(
-        "frozen",
-        partial(_variant, rule="saturated"),
-        "the integral stands still whenever the output is at its limit: let it come back in",
+    "the output must stay within -limit and limit": (
+        partial(_variant, rule="always", limited=False)
     ),
-    Mistake(
-        "wrong side",
-        partial(_variant, rule="outwards"),
-        "clamped on the wrong side: the integral may move inwards, and must not move outwards",
+    "the integral starts from zero at each sample: keep it (nonlocal, or a class)": (
+        partial(_variant, forgets=True)
     ),
-    Mistake(
-        "no limit",
-        partial(_variant, rule="always", limited=False),
-        "the output must stay within -limit and limit",
-    ),
-    Mistake(
-        "no memory",
-        partial(_variant, forgets=True),
-        "the integral starts from zero at each sample: keep it (nonlocal, or a class)",
-    ),
-)
+}
 
 
 def same_outputs(answer: Step, reference: Step, *gains: object) -> bool | str:
@@ -164,9 +136,9 @@ def same_outputs(answer: Step, reference: Step, *gains: object) -> bool | str:
     kept, cut = (_outputs(right(*gains), run) for right in (digital_pid, _cutting))
     if _near(given, kept) or _near(given, cut):
         return True
-    for mistake in MISTAKES:
-        if _near(given, _outputs(mistake.wrong(*gains), run)):
-            return mistake.diagnosis
+    for diagnosis, wrong in MISTAKES.items():
+        if _near(given, _outputs(wrong(*gains), run)):
+            return diagnosis
     if _near(np.clip(given, -gains[4], gains[4]), given):
         sample = max(_first_difference(given, right) for right in (kept, cut))
         return f"the outputs of sample {sample}, counted from 0, differ, and are right before it"

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE
 
 RADIANS = "the angles come in radians already: do not convert them again"
@@ -32,39 +32,27 @@ INTEGRAL = Exercise(
         "at rest in the goal, error and speed are zero: which of the three terms is left?",
         "what is left must hold the weight: K_i times the integral = g(q_goal)",
     ),
-    mistakes=(
-        Mistake(
-            "times ki",
-            lambda q_goal, ki: dynamics.gravity_torque(q_goal) * ki,
-            "check the units: N m times N m/(rad s) is no rad s",
+    mistakes={
+        "check the units: N m times N m/(rad s) is no rad s": (
+            lambda q_goal, ki: dynamics.gravity_torque(q_goal) * ki
         ),
-        Mistake(
-            "upside down",
-            lambda q_goal, ki: ki / dynamics.gravity_torque(q_goal),
-            "that is upside down, 1/(rad s), and infinite where nothing pulls",
+        "that is upside down, 1/(rad s), and infinite where nothing pulls": (
+            lambda q_goal, ki: ki / dynamics.gravity_torque(q_goal)
         ),
-        Mistake(
-            "sign",
-            lambda q_goal, ki: -integral_at_rest(q_goal, ki),
-            "the sign: g(q) is the torque that holds the arm up, and the integral must give it",
+        "the sign: g(q) is the torque that holds the arm up, and the integral must give it": (
+            lambda q_goal, ki: -integral_at_rest(q_goal, ki)
         ),
-        Mistake(
-            "torque",
-            lambda q_goal, ki: dynamics.gravity_torque(q_goal),
-            "that is the torque which the integral term must give; the integral itself is asked",
+        "that is the torque which the integral term must give; the integral itself is asked": (
+            lambda q_goal, ki: dynamics.gravity_torque(q_goal)
         ),
-        Mistake(
-            "mean gain",
-            lambda q_goal, ki: dynamics.gravity_torque(q_goal) / np.mean(ki),
-            "each joint has its own integral gain: divide joint by joint",
+        "each joint has its own integral gain: divide joint by joint": (
+            lambda q_goal, ki: dynamics.gravity_torque(q_goal) / np.mean(ki)
         ),
-        Mistake(
-            "degrees",
-            lambda q_goal, ki: np.degrees(integral_at_rest(q_goal, ki)),
-            "right, but in degrees times seconds: leave it in rad s",
+        "right, but in degrees times seconds: leave it in rad s": (
+            lambda q_goal, ki: np.degrees(integral_at_rest(q_goal, ki))
         ),
-        Mistake("radians", lambda q_goal, ki: integral_at_rest(np.radians(q_goal), ki), RADIANS),
-    ),
+        (RADIANS): (lambda q_goal, ki: integral_at_rest(np.radians(q_goal), ki)),
+    },
 )
 
 
@@ -168,54 +156,30 @@ ACCELERATION = Exercise(
         "the posture is q = q_goal - error, and the goal stands still: what is the error's rate?",
         "K_d acts on the error's rate, which is -dq; the other terms are right as printed",
     ),
-    mistakes=(
-        Mistake(
-            "as printed",
-            _loop_as_printed,
-            "that is (3.7) as printed: + K_d dq pushes the arm the way it is moving already",
+    mistakes={
+        "that is (3.7) as printed: + K_d dq pushes the arm the way it is moving already": (
+            _loop_as_printed
         ),
-        Mistake(
-            "w without 1/alpha",
-            _integral_without_alpha,
+        (
             "the term with w lacks its 1/alpha: w = alpha z + error, so K_i z = K_i (w - error)/"
-            "alpha",
+            "alpha"
+        ): _integral_without_alpha,
+        "the bracket is K_p - K_i/alpha: without 1/alpha the units do not even fit": (
+            _stiffness_without_alpha
         ),
-        Mistake(
-            "stiffness without 1/alpha",
-            _stiffness_without_alpha,
-            "the bracket is K_p - K_i/alpha: without 1/alpha the units do not even fit",
+        "1/alpha is missing in both places where K_i stands": _no_alpha_at_all,
+        "w has part of the error in it: K_p alone counts that part twice, take K_p - K_i/alpha": (
+            _stiffness_not_lowered
         ),
-        Mistake(
-            "no 1/alpha",
-            _no_alpha_at_all,
-            "1/alpha is missing in both places where K_i stands",
+        "g(q_goal) is missing: z counts the integral from its value at rest, which holds it": (
+            _no_goal_gravity
         ),
-        Mistake(
-            "stiffness not lowered",
-            _stiffness_not_lowered,
-            "w has part of the error in it: K_p alone counts that part twice, take K_p - K_i/alpha",
+        "the Coriolis torques C dq are missing: subtract them before you divide by M": (
+            _no_coriolis
         ),
-        Mistake(
-            "no g of the goal",
-            _no_goal_gravity,
-            "g(q_goal) is missing: z counts the integral from its value at rest, which holds it",
-        ),
-        Mistake(
-            "no Coriolis",
-            _no_coriolis,
-            "the Coriolis torques C dq are missing: subtract them before you divide by M",
-        ),
-        Mistake(
-            "beyond the goal",
-            _posture_beyond_the_goal,
-            "the posture: error = q_goal - q, so q = q_goal - error",
-        ),
-        Mistake(
-            "no inertia",
-            _no_inertia,
-            "that is the torque that is left over: solve with M(q) for the acceleration",
-        ),
-    ),
+        "the posture: error = q_goal - q, so q = q_goal - error": _posture_beyond_the_goal,
+        "that is the torque that is left over: solve with M(q) for the acceleration": _no_inertia,
+    },
 )
 
 
@@ -287,75 +251,43 @@ FUNCTION = Exercise(
         "multiply the block matrix out: one term for w, one with two errors, two with M",
         "the cross term stands twice in the matrix: with the 1/2 in front it is - alpha e^T M dq",
     ),
-    mistakes=(
-        Mistake(
-            "cross term plus",
-            lambda *state: lyapunov_function(*state) + 2 * _cross(state),
-            "the cross term: with dq (not the error's rate, as printed) it is - alpha e^T M dq",
+    mistakes={
+        "the cross term: with dq (not the error's rate, as printed) it is - alpha e^T M dq": (
+            lambda *state: lyapunov_function(*state) + 2 * _cross(state)
         ),
-        Mistake(
-            "half a cross term",
-            lambda *state: lyapunov_function(*state) + _cross(state) / 2,
-            "the cross term stands twice in the matrix, above and below the diagonal",
+        "the cross term stands twice in the matrix, above and below the diagonal": (
+            lambda *state: lyapunov_function(*state) + _cross(state) / 2
         ),
-        Mistake(
-            "no cross term",
-            lambda *state: lyapunov_function(*state) + _cross(state),
-            "the cross term - alpha e^T M dq is missing: the rest is hardly more than an energy",
+        "the cross term - alpha e^T M dq is missing: the rest is hardly more than an energy": (
+            lambda *state: lyapunov_function(*state) + _cross(state)
         ),
-        Mistake(
-            "cross term without alpha",
-            lambda *state: lyapunov_function(*state) + (1 - 1 / state[-1]) * _cross(state),
-            "the cross term has a factor alpha",
+        "the cross term has a factor alpha": (
+            lambda *state: lyapunov_function(*state) + (1 - 1 / state[-1]) * _cross(state)
         ),
-        Mistake(
-            "lever",
-            lambda *state: lyapunov_function(*state) - 2 * _lever(state),
-            "the sign of e^T g(q_goal): it takes the slope of U away, so it is added",
+        "the sign of e^T g(q_goal): it takes the slope of U away, so it is added": (
+            lambda *state: lyapunov_function(*state) - 2 * _lever(state)
         ),
-        Mistake(
-            "no lever",
-            lambda *state: lyapunov_function(*state) - _lever(state),
-            "e^T g(q_goal) is missing: without it V slopes at the goal and has no minimum there",
+        "e^T g(q_goal) is missing: without it V slopes at the goal and has no minimum there": (
+            lambda *state: lyapunov_function(*state) - _lever(state)
         ),
-        Mistake(
-            "no potential energy",
-            lambda *state: lyapunov_function(*state) - _lifted(state),
-            "the potential energy U(q) - U(q_goal) is missing",
+        "the potential energy U(q) - U(q_goal) is missing": (
+            lambda *state: lyapunov_function(*state) - _lifted(state)
         ),
-        Mistake(
-            "potential energy upside down",
-            lambda *state: lyapunov_function(*state) - 2 * _lifted(state),
-            "the potential energy is U at the arm's posture less U at the goal, not the reverse",
+        "the potential energy is U at the arm's posture less U at the goal, not the reverse": (
+            lambda *state: lyapunov_function(*state) - 2 * _lifted(state)
         ),
-        Mistake(
-            "U counted from zero",
-            _potential_counted_from_zero,
-            "subtract U(q_goal): at the goal, V must be zero",
+        "subtract U(q_goal): at the goal, V must be zero": _potential_counted_from_zero,
+        "the last bracket is K_p - K_i/alpha: the integral's share is in the term of w already": (
+            _plain_stiffness
         ),
-        Mistake(
-            "K_p alone",
-            _plain_stiffness,
-            "the last bracket is K_p - K_i/alpha: the integral's share is in the term of w already",
-        ),
-        Mistake(
-            "no alpha K_d",
-            _no_damping_term,
-            "alpha e^T K_d e is missing: it pays for the cross term",
-        ),
-        Mistake(
-            "w with alpha",
-            _integral_times_alpha,
-            "the term of w has K_i / alpha, not alpha K_i",
-        ),
-        Mistake(
-            "no half",
+        "alpha e^T K_d e is missing: it pays for the cross term": _no_damping_term,
+        "the term of w has K_i / alpha, not alpha K_i": _integral_times_alpha,
+        "a factor 2: the quadratic forms have a 1/2 in front": (
             lambda *state: (
                 2 * (lyapunov_function(*state) - _lifted(state) - _lever(state))
                 + _lifted(state)
                 + _lever(state)
-            ),
-            "a factor 2: the quadratic forms have a 1/2 in front",
+            )
         ),
-    ),
+    },
 )

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import lyapunov, pid
 from backhoe.lessons import published
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE, JOINTS
 
 REGION = 0.5  # error up to which V must fall [rad]
@@ -116,36 +116,20 @@ TUNED = Exercise(
         "least",
         'then lyapunov.tune("matrix", kp=kp, ki=kp / 9, error=0.5) finds K_d; see its .kd',
     ),
-    mistakes=(
-        Mistake(
-            "(3.33)",
-            lambda: _printed("mastalli_2013_eq_333"),
-            "those are the gains of (3.33): the boom is too soft, and at 1 kHz the bucket shakes",
+    mistakes={
+        "those are the gains of (3.33): the boom is too soft, and at 1 kHz the bucket shakes": (
+            lambda: _printed("mastalli_2013_eq_333")
         ),
-        Mistake(
-            "Table 3.1",
-            lambda: _printed("mastalli_2013_table_31"),
-            "those are the gains of Table 3.1: they have no certificate by the matrix route",
+        "those are the gains of Table 3.1: they have no certificate by the matrix route": (
+            lambda: _printed("mastalli_2013_table_31")
         ),
-        Mistake(
-            "tour",
-            lambda: tuple(np.array(getattr(pid.ARM_GAINS, name)) for name in ("kp", "kd", "ki")),
-            "those are the tour's gains: at 0.05 rad the swing's spring asks for twice its torque",
+        "those are the tour's gains: at 0.05 rad the swing's spring asks for twice its torque": (
+            lambda: tuple(np.array(getattr(pid.ARM_GAINS, name)) for name in ("kp", "kd", "ki"))
         ),
-        Mistake(
-            "by extremes",
-            _by_extremes,
-            "certified by the thesis's own route, but its integral needs hours to learn a load",
+        "certified by the thesis's own route, but its integral needs hours to learn a load": (
+            _by_extremes
         ),
-        Mistake(
-            "order",
-            _in_another_order,
-            "the order is kp, kd, ki: you gave the integral gains second",
-        ),
-        Mistake(
-            "per degree",
-            _per_degree,
-            "those are gains per degree: give them per radian",
-        ),
-    ),
+        "the order is kp, kd, ki: you gave the integral gains second": _in_another_order,
+        "those are gains per degree: give them per radian": _per_degree,
+    },
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def ticks(counts: NDArray, bits: int) -> NDArray:
@@ -34,62 +34,42 @@ TICKS = Exercise(
     title="A counter that wraps round",
     reference=ticks,
     cases=_readings,
-    mistakes=(
-        Mistake(
-            "plain differences",
-            lambda counts, bits: np.diff(counts),
-            "when the counter passes its end, it seems to jump back by all of its span",
+    mistakes={
+        "when the counter passes its end, it seems to jump back by all of its span": (
+            lambda counts, bits: np.diff(counts)
         ),
-        Mistake(
-            "never backwards",
-            lambda counts, bits: np.diff(counts) % 2**bits,
-            "it only ever runs forwards: a small step back reads as nearly a whole span",
+        "it only ever runs forwards: a small step back reads as nearly a whole span": (
+            lambda counts, bits: np.diff(counts) % 2**bits
         ),
-        Mistake(
-            "absolute",
-            lambda counts, bits: np.abs(ticks(counts, bits)),
-            "the sign is lost: backwards counts negative",
+        "the sign is lost: backwards counts negative": (
+            lambda counts, bits: np.abs(ticks(counts, bits))
         ),
-        Mistake(
-            "span one too small",
-            lambda counts, bits: _modulo(counts, bits, 2**bits - 1, 2 ** (bits - 1)),
-            "one tick is lost at each wrap: a counter of b bits has 2^b readings, 0 included",
+        "one tick is lost at each wrap: a counter of b bits has 2^b readings, 0 included": (
+            lambda counts, bits: _modulo(counts, bits, 2**bits - 1, 2 ** (bits - 1))
         ),
-        Mistake(
-            "16 bits always",
-            lambda counts, bits: _modulo(counts, 16, 2**16, 2**15),
-            "the span is that of 16 bits each time: use the bits that you are given",
+        "the span is that of 16 bits each time: use the bits that you are given": (
+            lambda counts, bits: _modulo(counts, 16, 2**16, 2**15)
         ),
-        Mistake(
-            "as an angle",
-            lambda counts, bits: np.diff(np.unwrap(counts.astype(float))),
-            "np.unwrap takes these for radians: tell it the period, or scale them first",
+        "np.unwrap takes these for radians: tell it the period, or scale them first": (
+            lambda counts, bits: np.diff(np.unwrap(counts.astype(float)))
         ),
-        Mistake(
-            "added up",
-            lambda counts, bits: np.cumsum(ticks(counts, bits)),
-            "these are the ticks since the start: return those from reading to reading",
+        "these are the ticks since the start: return those from reading to reading": (
+            lambda counts, bits: np.cumsum(ticks(counts, bits))
         ),
-        Mistake(
-            "wraps backwards forgotten",
+        "wraps forwards are repaired, wraps backwards are not: a rise may be too large, too": (
             lambda counts, bits: np.where(
                 np.diff(counts) < -(2 ** (bits - 1)), np.diff(counts) + 2**bits, np.diff(counts)
-            ),
-            "wraps forwards are repaired, wraps backwards are not: a rise may be too large, too",
+            )
         ),
-        Mistake(
-            "jumps left out",
+        "steps over the wrap are thrown away: repair them instead": (
             lambda counts, bits: np.where(
                 np.abs(np.diff(counts)) > 2 ** (bits - 1), 0, np.diff(counts)
-            ),
-            "steps over the wrap are thrown away: repair them instead",
+            )
         ),
-        Mistake(
-            "turned round",
-            lambda counts, bits: -ticks(counts, bits),
-            "forwards counts positive: newer reading minus older reading",
+        "forwards counts positive: newer reading minus older reading": (
+            lambda counts, bits: -ticks(counts, bits)
         ),
-    ),
+    },
     hints=(
         "The true step is the plain difference plus or minus a whole number of spans, 2**bits.",
         "Shift by half a span, take the remainder, shift back: (d + span/2) % span - span/2.",

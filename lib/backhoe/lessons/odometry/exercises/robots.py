@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 _PLACES = np.radians([0.0, 120.0, 240.0])
 
@@ -25,60 +25,42 @@ JACOBIAN = Exercise(
     title="Three wheels that slide sideways",
     reference=jacobian,
     cases=lambda rng: [tuple(rng.uniform((0.03, 0.1), (0.12, 0.4))) for _ in range(20)],
-    mistakes=(
-        Mistake(
-            "not inverted",
-            lambda radius, distance: wheel_matrix(distance) / radius,
-            "that matrix makes wheel speeds from the robot's: the Jacobian is its inverse",
+    mistakes={
+        "that matrix makes wheel speeds from the robot's: the Jacobian is its inverse": (
+            lambda radius, distance: wheel_matrix(distance) / radius
         ),
-        Mistake(
-            "transposed for inverted",
-            lambda radius, distance: radius * wheel_matrix(distance).T,
-            "the transpose is not the inverse: the rows are no unit vectors",
+        "the transpose is not the inverse: the rows are no unit vectors": (
+            lambda radius, distance: radius * wheel_matrix(distance).T
         ),
-        Mistake(
-            "transposed",
-            lambda radius, distance: jacobian(radius, distance).T,
-            "transposed: a row of J belongs to v_x, v_y or omega, a column to a wheel",
+        "transposed: a row of J belongs to v_x, v_y or omega, a column to a wheel": (
+            lambda radius, distance: jacobian(radius, distance).T
         ),
-        Mistake(
-            "radius divided",
-            lambda radius, distance: jacobian(radius, distance) / radius**2,
-            "a larger wheel carries the robot farther at the same speed: multiply by the radius",
+        "a larger wheel carries the robot farther at the same speed: multiply by the radius": (
+            lambda radius, distance: jacobian(radius, distance) / radius**2
         ),
-        Mistake(
-            "radius missing",
-            lambda radius, distance: jacobian(radius, distance) / radius,
-            "that takes rim speeds in m/s: the wheels turn at Omega rad/s, their rims at r Omega",
+        "that takes rim speeds in m/s: the wheels turn at Omega rad/s, their rims at r Omega": (
+            lambda radius, distance: jacobian(radius, distance) / radius
         ),
-        Mistake(
-            "distance missing",
-            lambda radius, distance: jacobian(radius, 1.0),
-            "the robot turns at the same rate whatever its size: omega moves a rim by d omega",
+        "the robot turns at the same rate whatever its size: omega moves a rim by d omega": (
+            lambda radius, distance: jacobian(radius, 1.0)
         ),
-        Mistake(
-            "clockwise",
-            lambda radius, distance: -jacobian(radius, distance),
-            "all signs are turned round: a wheel at angle a drives along (-sin a, cos a)",
+        "all signs are turned round: a wheel at angle a drives along (-sin a, cos a)": (
+            lambda radius, distance: -jacobian(radius, distance)
         ),
-        Mistake(
-            "drives outwards",
+        "your wheels drive away from the middle: they drive across that, along (-sin a, cos a)": (
             lambda radius, distance: (
                 radius
                 * np.linalg.pinv(
                     np.stack([np.cos(_PLACES), np.sin(_PLACES), np.full(3, distance)], axis=1)
                 )
-            ),
-            "your wheels drive away from the middle: they drive across that, along (-sin a, cos a)",
+            )
         ),
-        Mistake(
-            "angles in degrees",
+        "the angles 120 and 240 are degrees: np.radians before the sines": (
             lambda radius, distance: (
                 radius * np.linalg.inv(wheel_matrix(distance, np.array([0.0, 120.0, 240.0])))
-            ),
-            "the angles 120 and 240 are degrees: np.radians before the sines",
+            )
         ),
-    ),
+    },
     hints=(
         "First the other way round: which rim speed does each wheel need for v_x, v_y and omega?",
         "Rows (-sin a, cos a, d) for a = 0, 120, 240 deg make the rims' speeds: invert, times r.",

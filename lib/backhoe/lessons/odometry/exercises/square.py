@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.localisation import odometry
 
 
@@ -94,67 +94,45 @@ SQUARES = Exercise(
     reference=calibrate,
     cases=_squares,
     compare=right_calibration,
-    mistakes=(
-        Mistake(
-            "sum for difference",
-            _exchanged,
-            "sum and difference are exchanged: corners shift both x alike, bends shift them apart",
+    mistakes={
+        "sum and difference are exchanged: corners shift both x alike, bends shift them apart": (
+            _exchanged
         ),
-        Mistake(
-            "gauge upside down",
-            _gauge_upside_down,
-            "the gauge goes the wrong way: who turns too little has a larger gauge than drawn",
+        "the gauge goes the wrong way: who turns too little has a larger gauge than drawn": (
+            _gauge_upside_down
         ),
-        Mistake(
-            "ratio upside down",
+        "the ratio is left over right: a bend to the left needs the larger wheel on the right": (
             lambda cw, ccw, side, gauge: (
                 calibrate(cw, ccw, side, gauge)[0],
                 1 / calibrate(cw, ccw, side, gauge)[1],
-            ),
-            "the ratio is left over right: a bend to the left needs the larger wheel on the right",
+            )
         ),
-        Mistake(
-            "half of alpha and beta",
-            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 0.5, 0.5),
-            "alpha and beta come out half as large: x is -2 L (alpha +- beta), cw and ccw",
+        "alpha and beta come out half as large: x is -2 L (alpha +- beta), cw and ccw": (
+            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 0.5, 0.5)
         ),
-        Mistake(
-            "twice alpha and beta",
-            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 2.0, 2.0),
-            "alpha and beta come out twice as large: sum and difference need a half, too",
+        "alpha and beta come out twice as large: sum and difference need a half, too": (
+            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 2.0, 2.0)
         ),
-        Mistake(
-            "degrees",
-            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 180 / np.pi, 180 / np.pi),
-            "alpha and beta are in degrees and then used as radians: the quarter turn is pi / 2",
+        "alpha and beta are in degrees and then used as radians: the quarter turn is pi / 2": (
+            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 180 / np.pi, 180 / np.pi)
         ),
-        Mistake(
-            "one way round",
-            _one_way,
-            "one direction alone cannot tell the two errors apart: use cw and ccw",
-        ),
-        Mistake(
-            "whole gauge in the bend",
+        "one direction alone cannot tell the two errors apart: use cw and ccw": _one_way,
+        "the wheels run half a gauge inside and outside of the bend, not a whole one": (
             lambda cw, ccw, side, gauge: (
                 calibrate(cw, ccw, side, gauge)[0],
                 calibrate(cw, ccw, side, 2 * gauge)[1],
-            ),
-            "the wheels run half a gauge inside and outside of the bend, not a whole one",
+            )
         ),
-        Mistake(
-            "order of the two",
-            lambda *given: calibrate(*given)[::-1],
-            "the two numbers are in the reverse order: the gauge first, then the ratio",
+        "the two numbers are in the reverse order: the gauge first, then the ratio": (
+            lambda *given: calibrate(*given)[::-1]
         ),
-        Mistake(
-            "gauge as a factor",
+        "that is the factor of the gauge: return the gauge itself, in metres": (
             lambda cw, ccw, side, gauge: (
                 calibrate(cw, ccw, side, gauge)[0] / gauge,
                 calibrate(cw, ccw, side, gauge)[1],
-            ),
-            "that is the factor of the gauge: return the gauge itself, in metres",
+            )
         ),
-    ),
+    },
     hints=(
         "alpha = -(x_cw + x_ccw) / (4 L), beta = -(x_cw - x_ccw) / (4 L), with the mean x of each.",
         "gauge pi/2 / (pi/2 - alpha); R = L/2 / sin(beta/2), ratio (R + gauge/2) / (R - gauge/2).",

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 Rate = Callable[[NDArray, NDArray], NDArray]
 
@@ -63,65 +63,41 @@ TRAPEZOID = Exercise(
     reference=heun,
     cases=_starts,
     compare=right_trapezoid,
-    mistakes=(
-        Mistake(
-            "as it runs",
-            lambda x, u_old, u_new, dt, f: x + dt / 2 * (f(x, u_old) + f(x, u_new)),
-            "that is Algorithm 4 as it runs, the old x in both halves: predict x_k first",
+    mistakes={
+        "that is Algorithm 4 as it runs, the old x in both halves: predict x_k first": (
+            lambda x, u_old, u_new, dt, f: x + dt / 2 * (f(x, u_old) + f(x, u_new))
         ),
-        Mistake(
-            "Euler, new",
-            lambda x, u_old, u_new, dt, f: x + dt * f(x, u_new),
-            "that is Algorithm 3 as it runs, one rate for the whole step: average two",
+        "that is Algorithm 3 as it runs, one rate for the whole step: average two": (
+            lambda x, u_old, u_new, dt, f: x + dt * f(x, u_new)
         ),
-        Mistake(
-            "Euler, old",
-            lambda x, u_old, u_new, dt, f: x + dt * f(x, u_old),
-            "that is the predictor, Euler's step: go on, and average the rates at both ends",
+        "that is the predictor, Euler's step: go on, and average the rates at both ends": (
+            lambda x, u_old, u_new, dt, f: x + dt * f(x, u_old)
         ),
-        Mistake(
-            "predictor without average",
-            lambda x, u_old, u_new, dt, f: x + dt * f(x + dt * f(x, u_old), u_new),
-            "the rate at the end alone is (10), order 1: average it with the one at the start",
+        "the rate at the end alone is (10), order 1: average it with the one at the start": (
+            lambda x, u_old, u_new, dt, f: x + dt * f(x + dt * f(x, u_old), u_new)
         ),
-        Mistake(
-            "no half",
-            lambda x, u_old, u_new, dt, f: 2 * heun(x, u_old, u_new, dt, f) - x,
-            "twice too far: the average of two rates needs a half",
+        "twice too far: the average of two rates needs a half": (
+            lambda x, u_old, u_new, dt, f: 2 * heun(x, u_old, u_new, dt, f) - x
         ),
-        Mistake(
-            "no time step",
-            lambda x, u_old, u_new, dt, f: x + (f(x, u_old) + f(x + dt * f(x, u_old), u_new)) / 2,
-            "the step goes on for a whole second: dt is missing",
+        "the step goes on for a whole second: dt is missing": (
+            lambda x, u_old, u_new, dt, f: x + (f(x, u_old) + f(x + dt * f(x, u_old), u_new)) / 2
         ),
-        Mistake(
-            "no time step in the predictor",
-            lambda x, u_old, u_new, dt, f: x + dt / 2 * (f(x, u_old) + f(x + f(x, u_old), u_new)),
-            "the predictor goes on for a whole second: dt is missing there",
+        "the predictor goes on for a whole second: dt is missing there": (
+            lambda x, u_old, u_new, dt, f: x + dt / 2 * (f(x, u_old) + f(x + f(x, u_old), u_new))
         ),
-        Mistake(
-            "increment alone",
-            lambda x, u_old, u_new, dt, f: heun(x, u_old, u_new, dt, f) - x,
-            "that is how far it moved: add it to x",
+        "that is how far it moved: add it to x": (
+            lambda x, u_old, u_new, dt, f: heun(x, u_old, u_new, dt, f) - x
         ),
-        Mistake(
-            "samples swapped",
-            lambda x, u_old, u_new, dt, f: heun(x, u_new, u_old, dt, f),
-            "the samples are swapped: the old one belongs to the start of the step",
+        "the samples are swapped: the old one belongs to the start of the step": (
+            lambda x, u_old, u_new, dt, f: heun(x, u_new, u_old, dt, f)
         ),
-        Mistake(
-            "first sample forgotten",
-            lambda x, u_old, u_new, dt, f: heun(x, np.zeros(2), u_new, dt, f),
-            "the old sample counts as zero: use u_old",
+        "the old sample counts as zero: use u_old": (
+            lambda x, u_old, u_new, dt, f: heun(x, np.zeros(2), u_new, dt, f)
         ),
-        Mistake(
-            "half the predictor's step",
-            lambda x, u_old, u_new, dt, f: (
-                x + dt * f(x + dt / 2 * f(x, u_old), (u_old + u_new) / 2)
-            ),
-            "the midpoint rule, order 2 as well; but (11) averages the rates at both ends",
+        "the midpoint rule, order 2 as well; but (11) averages the rates at both ends": (
+            lambda x, u_old, u_new, dt, f: x + dt * f(x + dt / 2 * f(x, u_old), (u_old + u_new) / 2)
         ),
-    ),
+    },
     hints=(
         "f(x_k, u_k) needs x_k. Guess it by a step of Euler's: x + dt f(x, u_old).",
         "before = f(x, u_old); after = f(x + dt * before, u_new); their mean, times dt, plus x.",
@@ -218,73 +194,41 @@ ARC = Exercise(
     title="Repair (4.3)",
     reference=arc,
     cases=_turns,
-    mistakes=(
-        Mistake(
-            "as printed",
-            _as_printed,
-            "that is (4.3) as printed: integrate cos psi over psi, and you get its sine",
+    mistakes={
+        "that is (4.3) as printed: integrate cos psi over psi, and you get its sine": _as_printed,
+        "a turn to the left goes to the right: the integral of the sine is minus the cosine": (
+            _mirrored
         ),
-        Mistake(
-            "y with the wrong sign",
-            _mirrored,
-            "a turn to the left goes to the right: the integral of the sine is minus the cosine",
+        "it divides by omega = 0: straight ahead needs its own branch, or the sinc form": (
+            _by_differences
         ),
-        Mistake(
-            "no straight branch",
-            _by_differences,
-            "it divides by omega = 0: straight ahead needs its own branch, or the sinc form",
+        "right for omega = 0, but at 1e-12 the difference of two sines is only rounding error": (
+            _zero_only
         ),
-        Mistake(
-            "zero only",
-            _zero_only,
-            "right for omega = 0, but at 1e-12 the difference of two sines is only rounding error",
+        "right turns take the straight branch: omega < 0.001 needs an absolute value": (
+            _no_absolute
         ),
-        Mistake(
-            "Algorithm 1's threshold",
-            _no_absolute,
-            "right turns take the straight branch: omega < 0.001 needs an absolute value",
+        "that is (4.1) corrected, Euler: a straight line along the old heading": (
+            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 0.0)
         ),
-        Mistake(
-            "Euler",
-            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 0.0),
-            "that is (4.1) corrected, Euler: a straight line along the old heading",
+        "that is (4.1) as printed: a straight line along the new heading": (
+            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 1.0)
         ),
-        Mistake(
-            "Euler, as printed",
-            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 1.0),
-            "that is (4.1) as printed: a straight line along the new heading",
+        "that is (4.2) corrected: the right direction, but the chord is shorter than the arc": (
+            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 0.5)
         ),
-        Mistake(
-            "midpoint",
-            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 0.5),
-            "that is (4.2) corrected: the right direction, but the chord is shorter than the arc",
+        "(4.2) as printed, beyond the end: the middle is psi_{k-1} + omega T / 2": (
+            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 1.5)
         ),
-        Mistake(
-            "(4.2) as printed",
-            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 1.5),
-            "(4.2) as printed, beyond the end: the middle is psi_{k-1} + omega T / 2",
+        "np.sinc(z) is sin(pi z) / (pi z): give it h / pi": _sinc_without_pi,
+        "that is how far it moved: add it to the pose": (
+            lambda pose, v, omega, dt: arc(pose, v, omega, dt) - pose
         ),
-        Mistake(
-            "sinc without its pi",
-            _sinc_without_pi,
-            "np.sinc(z) is sin(pi z) / (pi z): give it h / pi",
+        "the place is right, but the heading did not turn": (
+            lambda pose, v, omega, dt: np.array([*arc(pose, v, omega, dt)[:2], pose[2]])
         ),
-        Mistake(
-            "increment alone",
-            lambda pose, v, omega, dt: arc(pose, v, omega, dt) - pose,
-            "that is how far it moved: add it to the pose",
-        ),
-        Mistake(
-            "heading kept",
-            lambda pose, v, omega, dt: np.array([*arc(pose, v, omega, dt)[:2], pose[2]]),
-            "the place is right, but the heading did not turn",
-        ),
-        Mistake(
-            "wrapped",
-            _wrapped,
-            "the heading is wrapped: let it count on through full turns",
-        ),
-    ),
+        "the heading is wrapped: let it count on through full turns": _wrapped,
+    },
     hints=(
         "Integrate v cos(psi_0 + omega t) over the step; then look at omega -> 0.",
         "A chord of v dt sin(h) / h along psi_0 + h, h = omega dt / 2; np.sinc(h / pi) is safe.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def way(t: NDArray, v: NDArray) -> NDArray:
@@ -35,48 +35,30 @@ WAY = Exercise(
     title="The way from samples",
     reference=way,
     cases=_logs,
-    mistakes=(
-        Mistake(
-            "right rectangles",
-            lambda t, v: _rectangles(t, v[1:]),
-            "that is Euler's (2), rectangles as high as the newer sample: take trapezoids",
+    mistakes={
+        "that is Euler's (2), rectangles as high as the newer sample: take trapezoids": (
+            lambda t, v: _rectangles(t, v[1:])
         ),
-        Mistake(
-            "left rectangles",
-            lambda t, v: _rectangles(t, v[:-1]),
-            "these are rectangles as high as the older sample: take trapezoids",
+        "these are rectangles as high as the older sample: take trapezoids": (
+            lambda t, v: _rectangles(t, v[:-1])
         ),
-        Mistake(
-            "one step for all",
-            lambda t, v: way(np.linspace(t[0], t[-1], len(t)), v),
-            "the steps are not equal: each pair of samples has its own delta_k = t_k - t_{k-1}",
+        "the steps are not equal: each pair of samples has its own delta_k = t_k - t_{k-1}": (
+            lambda t, v: way(np.linspace(t[0], t[-1], len(t)), v)
         ),
-        Mistake(
-            "no half",
-            lambda t, v: 2 * way(t, v),
-            "twice too far: the height of a trapezoid is the mean of its two sides",
+        "twice too far: the height of a trapezoid is the mean of its two sides": (
+            lambda t, v: 2 * way(t, v)
         ),
-        Mistake(
-            "no time step",
-            lambda t, v: way(np.arange(len(t)), v),
-            "a sum of speeds is no way: every sample counts for its time step",
+        "a sum of speeds is no way: every sample counts for its time step": (
+            lambda t, v: way(np.arange(len(t)), v)
         ),
-        Mistake(
-            "first sample forgotten",
-            _stopped_at_first,
-            "the first trapezoid starts at zero speed: v[0] was measured, so use it",
+        "the first trapezoid starts at zero speed: v[0] was measured, so use it": (
+            _stopped_at_first
         ),
-        Mistake(
-            "no start",
-            lambda t, v: way(t, v)[1:],
-            "n instants have n positions: the first of them, 0 at t[0], is missing",
+        "n instants have n positions: the first of them, 0 at t[0], is missing": (
+            lambda t, v: way(t, v)[1:]
         ),
-        Mistake(
-            "the end alone",
-            lambda t, v: way(t, v)[-1],
-            "that is the position at the end: return it at every instant",
-        ),
-    ),
+        "that is the position at the end: return it at every instant": lambda t, v: way(t, v)[-1],
+    },
     hints=(
         "np.diff(t) are the lengths of the steps; (v[1:] + v[:-1]) / 2 the mean heights.",
         "np.cumsum adds up the areas; put a 0 in front with np.concatenate.",
@@ -110,43 +92,29 @@ ORDER = Exercise(
     title="The order of a rule",
     reference=order,
     cases=_families,
-    mistakes=(
-        Mistake(
-            "over the number of steps",
-            lambda steps, errors: -order(steps, errors),
-            "negative: take the logarithm of the step's length, not of how many there are",
+    mistakes={
+        "negative: take the logarithm of the step's length, not of how many there are": (
+            lambda steps, errors: -order(steps, errors)
         ),
-        Mistake(
-            "axes swapped",
-            lambda steps, errors: _fit(np.log(errors), np.log(steps)),
-            "upside down: how does the error follow the step, not the step the error?",
+        "upside down: how does the error follow the step, not the step the error?": (
+            lambda steps, errors: _fit(np.log(errors), np.log(steps))
         ),
-        Mistake(
-            "no logarithms",
-            lambda steps, errors: _fit(steps, errors),
-            "that is the slope of the curve itself: take logarithms of both axes first",
+        "that is the slope of the curve itself: take logarithms of both axes first": (
+            lambda steps, errors: _fit(steps, errors)
         ),
-        Mistake(
-            "half logarithmic",
-            lambda steps, errors: _fit(steps, np.log(errors)),
-            "a power is straight only when both axes are logarithmic: the steps are not",
+        "a power is straight only when both axes are logarithmic: the steps are not": (
+            lambda steps, errors: _fit(steps, np.log(errors))
         ),
-        Mistake(
-            "the factor",
-            lambda steps, errors: _fit(np.log(steps), np.log(errors), 1),
-            "that is where the line cuts the axis: the order is its slope, polyfit's first number",
+        "that is where the line cuts the axis: the order is its slope, polyfit's first number": (
+            lambda steps, errors: _fit(np.log(steps), np.log(errors), 1)
         ),
-        Mistake(
-            "two kinds of logarithm",
-            lambda steps, errors: _fit(np.log10(steps), np.log(errors)),
-            "two different logarithms: take the same one for steps and for errors",
+        "two different logarithms: take the same one for steps and for errors": (
+            lambda steps, errors: _fit(np.log10(steps), np.log(errors))
         ),
-        Mistake(
-            "two points",
-            lambda steps, errors: order(steps[[0, -1]], errors[[0, -1]]),
-            "only the first and the last point are used: fit the line through all of them",
+        "only the first and the last point are used: fit the line through all of them": (
+            lambda steps, errors: order(steps[[0, -1]], errors[[0, -1]])
         ),
-    ),
+    },
     hints=(
         "error = C step^p is a straight line once you take logarithms: log e = log C + p log step.",
         "np.polyfit(x, y, 1) returns the slope and the intercept of the best line.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE
 
 _RADIUS = BACKHOE.tracks.sprocket_radius
@@ -69,75 +69,37 @@ ODOMETRY = Exercise(
     reference=odometry,
     cases=_steps,
     atol=2e-6,
-    mistakes=(
-        Mistake(
-            "sides swapped",
-            lambda pose, left, right, dt, gauge: odometry(pose, right, left, dt, gauge),
-            "left and right are swapped: a faster right track turns the machine to the left",
+    mistakes={
+        "left and right are swapped: a faster right track turns the machine to the left": (
+            lambda pose, left, right, dt, gauge: odometry(pose, right, left, dt, gauge)
         ),
-        Mistake(
-            "half a gauge",
-            _with(scale_turn=2.0),
-            "it turns twice as much: (2.9) divides by the whole gauge, not by half of it",
+        "it turns twice as much: (2.9) divides by the whole gauge, not by half of it": (
+            _with(scale_turn=2.0)
         ),
-        Mistake(
-            "twice the gauge",
-            _with(scale_turn=0.5),
-            "it turns half as much: divide the difference by the gauge, once",
-        ),
-        Mistake(
-            "gauge of the drawing",
+        "it turns half as much: divide the difference by the gauge, once": _with(scale_turn=0.5),
+        "it turns with the gauge of the drawing: use the one that you are given": (
             lambda pose, left, right, dt, gauge: odometry(
                 pose, left, right, dt, BACKHOE.tracks.gauge
-            ),
-            "it turns with the gauge of the drawing: use the one that you are given",
+            )
         ),
-        Mistake(
-            "radius missing",
-            _with(1 / _RADIUS, 1 / _RADIUS),
-            "sprockets turn in rad/s, belts run at r times that: the radius is missing",
+        "sprockets turn in rad/s, belts run at r times that: the radius is missing": (
+            _with(1 / _RADIUS, 1 / _RADIUS)
         ),
-        Mistake(
-            "no half",
-            _with(scale_way=2.0),
-            "twice too far: the middle moves with the mean of the two tracks",
+        "twice too far: the middle moves with the mean of the two tracks": _with(scale_way=2.0),
+        "these are rates: what moves in a step is the rate times dt": _no_time_step,
+        "Euler, along the heading of the start: take the middle of the step, or the arc": (
+            _with(share=0.0)
         ),
-        Mistake(
-            "no time step",
-            _no_time_step,
-            "these are rates: what moves in a step is the rate times dt",
+        "that is (4.1) as printed, along the heading of the end: take the middle, or the arc": (
+            _with(share=1.0)
         ),
-        Mistake(
-            "old heading",
-            _with(share=0.0),
-            "Euler, along the heading of the start: take the middle of the step, or the arc",
+        "that is how far it moved in the step: add it to the pose": (
+            lambda pose, *given: odometry(pose, *given) - pose
         ),
-        Mistake(
-            "new heading",
-            _with(share=1.0),
-            "that is (4.1) as printed, along the heading of the end: take the middle, or the arc",
-        ),
-        Mistake(
-            "increment alone",
-            lambda pose, *given: odometry(pose, *given) - pose,
-            "that is how far it moved in the step: add it to the pose",
-        ),
-        Mistake(
-            "divided by zero",
-            _divided,
-            "it divides by omega = 0 when both tracks run alike",
-        ),
-        Mistake(
-            "sine for cosine",
-            _swapped_sines,
-            "sine and cosine are swapped: at psi = 0 the machine moves along x",
-        ),
-        Mistake(
-            "wrapped",
-            _wrapped,
-            "the heading is wrapped: let it count on through full turns",
-        ),
-    ),
+        "it divides by omega = 0 when both tracks run alike": _divided,
+        "sine and cosine are swapped: at psi = 0 the machine moves along x": _swapped_sines,
+        "the heading is wrapped: let it count on through full turns": _wrapped,
+    },
     hints=(
         "First way and turn of the step, from (2.9) times dt; then move along psi + turn / 2.",
         "way = r (left + right) / 2 dt, turn = r (right - left) / gauge dt, r of the sprocket.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def scaglia(pose: ArrayLike, goal: ArrayLike, dt: float, kv2: float, kw2: float) -> NDArray:
@@ -64,74 +64,50 @@ SCAGLIA = Exercise(
     title="Repair (6.13)",
     reference=scaglia,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "as printed",
-            _variant(lambda dx, dy, th, thd, dt, kv2, kw2: kv2 * _along(dx, dy, thd) / dt),
+    mistakes={
+        (
             "V is (6.13a) as printed, the whole distance over dt: the least of J has theta_n, not "
-            "theta_d",
+            "theta_d"
+        ): _variant(lambda dx, dy, th, thd, dt, kv2, kw2: kv2 * _along(dx, dy, thd) / dt),
+        "that solves (9.13) as printed: the derivative of the square has lost its minus": (
+            _variant(_printed_913)
         ),
-        Mistake(
-            "from (9.13) as printed",
-            _variant(_printed_913),
-            "that solves (9.13) as printed: the derivative of the square has lost its minus",
+        "theta_d - theta is not wrapped: after a full turn the vehicle unwinds it again": (
+            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * (thd - th) / dt)
         ),
-        Mistake(
-            "not wrapped",
-            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * (thd - th) / dt),
-            "theta_d - theta is not wrapped: after a full turn the vehicle unwinds it again",
-        ),
-        Mistake(
-            "as printed, not wrapped",
+        "V is (6.13a) as printed, and theta_d - theta is not wrapped": (
             _variant(
                 lambda dx, dy, th, thd, dt, kv2, kw2: kv2 * _along(dx, dy, thd) / dt,
                 lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * (thd - th) / dt,
-            ),
-            "V is (6.13a) as printed, and theta_d - theta is not wrapped",
+            )
         ),
-        Mistake(
-            "arctan",
+        "np.arctan cannot tell ahead from behind: use np.arctan2 for theta_d": (
             _variant(
                 turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * _wrap(np.arctan(dy / dx) - th) / dt
-            ),
-            "np.arctan cannot tell ahead from behind: use np.arctan2 for theta_d",
+            )
         ),
-        Mistake(
-            "T0 missing",
-            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, 1.0, kv2, kw2),
-            "T_0 is missing: these are a distance and an angle, divide both by dt",
+        "T_0 is missing: these are a distance and an angle, divide both by dt": (
+            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, 1.0, kv2, kw2)
         ),
-        Mistake(
-            "T0 missing in W",
-            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * _wrap(thd - th)),
-            "T_0 is missing in W: an angle over dt is a rate",
+        "T_0 is missing in W: an angle over dt is a rate": (
+            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * _wrap(thd - th))
         ),
-        Mistake(
-            "theta and theta_d swapped in W",
-            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * _wrap(th - thd) / dt),
-            "W turns away from the goal: theta_d - theta, not the other way round",
+        "W turns away from the goal: theta_d - theta, not the other way round": (
+            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * _wrap(th - thd) / dt)
         ),
-        Mistake(
-            "squared again",
-            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2**2, kw2**2),
-            "kv2 and kw2 are k_v^2 and k_w^2 already: do not square them again",
+        "kv2 and kw2 are k_v^2 and k_w^2 already: do not square them again": (
+            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2**2, kw2**2)
         ),
-        Mistake(
-            "weights swapped",
-            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kw2, kv2),
-            "the weights are swapped: kv2 belongs to V, kw2 to W",
+        "the weights are swapped: kv2 belongs to V, kw2 to W": (
+            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kw2, kv2)
         ),
-        Mistake(
-            "weights left out",
-            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, 1.0, 1.0),
-            "that is (9.11) with theta, the dead beat: the weights kv2 and kw2 are left out",
+        "that is (9.11) with theta, the dead beat: the weights kv2 and kw2 are left out": (
+            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, 1.0, 1.0)
         ),
-        Mistake(
-            "degrees",
-            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2, kw2) * (1, 180 / np.pi),
-            "W is in degrees per second: everything inside the course is in radians",
+        "W is in degrees per second: everything inside the course is in radians": (
+            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2, kw2) * (1, 180 / np.pi)
         ),
-    ),
+    },
     hints=(
         "J has V only in x_{n+1} = x_n + V cos(theta_n) T_0 and its fellows: set dJ/dV to zero.",
         "V = kv2 (dx cos(theta) + dy sin(theta))/dt; W = kw2 times the wrapped theta_d - theta, "

@@ -7,7 +7,7 @@ from math import atan, cos, hypot, pi, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def pose_errors(pose: ArrayLike, waypoint: ArrayLike, next_waypoint: ArrayLike) -> NDArray:
@@ -59,79 +59,49 @@ POSE_ERRORS = Exercise(
     title="Repair (5.1)",
     reference=pose_errors,
     cases=_pose_cases,
-    mistakes=(
-        Mistake(
-            "alpha as printed",
-            _changed(2, lambda p, w, n, e: _wrapped(p[2] - _bearing(w, n))),
-            "alpha is as printed, theta - phi: it must turn the vehicle the way Delta y does",
+    mistakes={
+        "alpha is as printed, theta - phi: it must turn the vehicle the way Delta y does": (
+            _changed(2, lambda p, w, n, e: _wrapped(p[2] - _bearing(w, n)))
         ),
-        Mistake(
-            "alpha not wrapped",
-            _changed(2, lambda p, w, n, e: _bearing(w, n) - p[2]),
-            "alpha is not wrapped: 350 degrees to the left are 10 to the right",
+        "alpha is not wrapped: 350 degrees to the left are 10 to the right": (
+            _changed(2, lambda p, w, n, e: _bearing(w, n) - p[2])
         ),
-        Mistake(
-            "alpha as printed, not wrapped",
-            _changed(2, lambda p, w, n, e: p[2] - _bearing(w, n)),
-            "alpha is as printed: its sign is against Delta y's, and it is not wrapped",
+        "alpha is as printed: its sign is against Delta y's, and it is not wrapped": (
+            _changed(2, lambda p, w, n, e: p[2] - _bearing(w, n))
         ),
-        Mistake(
-            "alpha from 0 to 2 pi",
-            _changed(2, lambda p, w, n, e: (_bearing(w, n) - p[2]) % (2 * pi)),
-            "alpha is wrapped into 0..2 pi: a small turn to the right becomes nearly a full one",
+        "alpha is wrapped into 0..2 pi: a small turn to the right becomes nearly a full one": (
+            _changed(2, lambda p, w, n, e: (_bearing(w, n) - p[2]) % (2 * pi))
         ),
-        Mistake(
-            "phi from the vehicle",
-            _changed(2, lambda p, w, n, e: _wrapped(_bearing(p[:2], n) - p[2])),
-            "phi is the direction from the way-point to the next one, not from the vehicle",
+        "phi is the direction from the way-point to the next one, not from the vehicle": (
+            _changed(2, lambda p, w, n, e: _wrapped(_bearing(p[:2], n) - p[2]))
         ),
-        Mistake(
-            "beta for alpha",
-            _changed(2, lambda p, w, n, e: _wrapped(_bearing(p[:2], w) - p[2])),
-            "that is beta in the place of alpha: alpha looks along the segment after the way-point",
+        "that is beta in the place of alpha: alpha looks along the segment after the way-point": (
+            _changed(2, lambda p, w, n, e: _wrapped(_bearing(p[:2], w) - p[2]))
         ),
-        Mistake(
-            "arctan in beta",
-            _changed(1, lambda p, w, n, e: e[0] * sin(_slope(p[:2], w) - p[2])),
-            "np.arctan cannot tell ahead from behind: use np.arctan2 for beta",
+        "np.arctan cannot tell ahead from behind: use np.arctan2 for beta": (
+            _changed(1, lambda p, w, n, e: e[0] * sin(_slope(p[:2], w) - p[2]))
         ),
-        Mistake(
-            "arctan in phi",
-            _changed(2, lambda p, w, n, e: _wrapped(_slope(w, n) - p[2])),
-            "np.arctan cannot tell to from fro: use np.arctan2 for phi",
+        "np.arctan cannot tell to from fro: use np.arctan2 for phi": (
+            _changed(2, lambda p, w, n, e: _wrapped(_slope(w, n) - p[2]))
         ),
-        Mistake(
-            "Delta Y",
-            _changed(1, lambda p, w, n, e: w[1] - p[1]),
+        (
             "that is Delta Y, along the map: take theta off beta, Delta y is to the left of the "
-            "vehicle",
+            "vehicle"
+        ): _changed(1, lambda p, w, n, e: w[1] - p[1]),
+        "Delta y is a length: rho times the sine of beta": (
+            _changed(1, lambda p, w, n, e: e[1] / e[0])
         ),
-        Mistake(
-            "rho missing",
-            _changed(1, lambda p, w, n, e: e[1] / e[0]),
-            "Delta y is a length: rho times the sine of beta",
+        "that is how far ahead the way-point lies: how far aside is the sine": (
+            _changed(1, lambda p, w, n, e: e[0] * cos(_bearing(p[:2], w) - p[2]))
         ),
-        Mistake(
-            "ahead for aside",
-            _changed(1, lambda p, w, n, e: e[0] * cos(_bearing(p[:2], w) - p[2])),
-            "that is how far ahead the way-point lies: how far aside is the sine",
+        "Delta y is positive to the left, like y itself": _changed(1, lambda p, w, n, e: -e[1]),
+        "alpha is in degrees: everything inside the course is in radians": (
+            _changed(2, lambda p, w, n, e: np.degrees(e[2]))
         ),
-        Mistake(
-            "Delta y to the right",
-            _changed(1, lambda p, w, n, e: -e[1]),
-            "Delta y is positive to the left, like y itself",
+        "rho is the root of that: a distance, not its square": (
+            _changed(0, lambda p, w, n, e: hypot(w[0] - p[0], w[1] - p[1]) ** 2)
         ),
-        Mistake(
-            "degrees",
-            _changed(2, lambda p, w, n, e: np.degrees(e[2])),
-            "alpha is in degrees: everything inside the course is in radians",
-        ),
-        Mistake(
-            "rho squared",
-            _changed(0, lambda p, w, n, e: hypot(w[0] - p[0], w[1] - p[1]) ** 2),
-            "rho is the root of that: a distance, not its square",
-        ),
-    ),
+    },
     hints=(
         "beta = atan2(Delta Y, Delta X) - theta; Delta y = rho sin(beta) needs no wrapping. Why?",
         "alpha = phi - theta, then (alpha + pi) % (2 pi) - pi.",
@@ -198,55 +168,33 @@ LIMITS = Exercise(
     title="The turn goes first",
     reference=limit,
     cases=_limit_cases,
-    mistakes=(
-        Mistake(
-            "speed first",
-            _speed_first,
-            "you let the speed go first and give the turn what is left: it is the other way round",
+    mistakes={
+        "you let the speed go first and give the turn what is left: it is the other way round": (
+            _speed_first
         ),
-        Mistake(
-            "each alone",
-            _each_alone,
+        (
             "each limit is right alone, but together one wheel is too fast: turning takes its "
-            "share from v",
+            "share from v"
+        ): _each_alone,
+        "you slow both down by one factor, which keeps the radius: here the turn goes first": (
+            _same_radius
         ),
-        Mistake(
-            "same radius",
-            _same_radius,
-            "you slow both down by one factor, which keeps the radius: here the turn goes first",
+        "that clips the two wheels one by one: v and omega then change in no planned way": (
+            _wheels_clipped
         ),
-        Mistake(
-            "wheels clipped",
-            _wheels_clipped,
-            "that clips the two wheels one by one: v and omega then change in no planned way",
-        ),
-        Mistake(
-            "the turn asked for",
-            _asked_turn,
+        (
             "v is limited with the omega that was asked for: use the one that is left after its "
-            "own limit",
+            "own limit"
+        ): _asked_turn,
+        "a turn to the right takes speed as well: |omega|, without its sign": _signed_turn,
+        "it never drives backwards: v lies between -v_max and +v_max": _forwards,
+        "c is half the distance of the wheels already: no factor 2": (
+            lambda v, omega, wheel_max, r, c: limit(v, omega, wheel_max, r, 2 * c)
         ),
-        Mistake(
-            "turn with its sign",
-            _signed_turn,
-            "a turn to the right takes speed as well: |omega|, without its sign",
+        "wheel_max is in rad/s: times the wheel's radius it is a speed over the ground": (
+            lambda v, omega, wheel_max, r, c: limit(v, omega, wheel_max, 1.0, c)
         ),
-        Mistake(
-            "never backwards",
-            _forwards,
-            "it never drives backwards: v lies between -v_max and +v_max",
-        ),
-        Mistake(
-            "gauge for half the gauge",
-            lambda v, omega, wheel_max, r, c: limit(v, omega, wheel_max, r, 2 * c),
-            "c is half the distance of the wheels already: no factor 2",
-        ),
-        Mistake(
-            "radius left out",
-            lambda v, omega, wheel_max, r, c: limit(v, omega, wheel_max, 1.0, c),
-            "wheel_max is in rad/s: times the wheel's radius it is a speed over the ground",
-        ),
-    ),
+    },
     hints=(
         "First omega between -r/c wheel_max and +r/c wheel_max; only then v.",
         "What is left for v: r wheel_max - c |omega|, with the omega just limited.",

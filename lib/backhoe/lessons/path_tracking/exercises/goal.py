@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def goal(time: float, dt: float, points: ArrayLike, times: ArrayLike) -> NDArray:
@@ -51,43 +51,27 @@ GOAL = Exercise(
     title="Where to be at the end of this sample",
     reference=goal,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "now",
-            lambda time, dt, points, times: goal(time, 0.0, points, times),
-            "that is where to be now, sample n: the command works until n + 1, so aim at time + dt",
+    mistakes={
+        "that is where to be now, sample n: the command works until n + 1, so aim at time + dt": (
+            lambda time, dt, points, times: goal(time, 0.0, points, times)
         ),
-        Mistake(
-            "a sample ago",
-            lambda time, dt, points, times: goal(time, -dt, points, times),
-            "that is where to have been a sample ago: aim at time + dt",
+        "that is where to have been a sample ago: aim at time + dt": (
+            lambda time, dt, points, times: goal(time, -dt, points, times)
         ),
-        Mistake(
-            "the next way-point",
-            _following,
-            "that is the next way-point: the goal moves along the line between two of them",
+        "that is the next way-point: the goal moves along the line between two of them": (
+            _following
         ),
-        Mistake(
-            "the last way-point",
-            _passed,
-            "that is the way-point just passed: the goal moves along the line between two of them",
+        "that is the way-point just passed: the goal moves along the line between two of them": (
+            _passed
         ),
-        Mistake(
-            "the nearest way-point",
-            _nearest,
-            "that is the way-point nearest in time: the goal moves along the line between two",
+        "that is the way-point nearest in time: the goal moves along the line between two": (
+            _nearest
         ),
-        Mistake(
-            "evenly spaced",
-            _evenly,
-            "you treat the times as evenly spaced: each segment has its own duration",
+        "you treat the times as evenly spaced: each segment has its own duration": _evenly,
+        "right within the trajectory, but it runs on beyond its ends: wait at the ends instead": (
+            _beyond
         ),
-        Mistake(
-            "beyond the ends",
-            _beyond,
-            "right within the trajectory, but it runs on beyond its ends: wait at the ends instead",
-        ),
-    ),
+    },
     hints=(
         "Between t_n and t_{n+1} the goal has gone the share (t - t_n)/(t_{n+1} - t_n).",
         "np.interp does it for one coordinate, and holds the ends; call it for x and for y.",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.lessons import published
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 RADIUS = 1.5  # m, section 5.3.1 of the source
 
@@ -30,33 +30,23 @@ MISSING = Exercise(
     number="5.1",
     title="What 1.084 says",
     reference=missing_length,
-    mistakes=(
-        Mistake(
-            "the run itself",
-            lambda: _printed_ratio() * 2 * pi * RADIUS,
-            "that is the length of the printed run: how much is missing from the shortest one?",
+    mistakes={
+        "that is the length of the printed run: how much is missing from the shortest one?": (
+            lambda: _printed_ratio() * 2 * pi * RADIUS
         ),
-        Mistake(
-            "a ratio",
-            lambda: 1 + 1 / (2 * pi) - _printed_ratio(),
-            "that is a difference of ratios: times the length of the circle it is metres",
+        "that is a difference of ratios: times the length of the circle it is metres": (
+            lambda: 1 + 1 / (2 * pi) - _printed_ratio()
         ),
-        Mistake(
-            "approach forgotten",
-            lambda: (_printed_ratio() - 1) * 2 * pi * RADIUS,
-            "that compares with the circle alone: the way from the centre to it is 1.5 m more",
+        "that compares with the circle alone: the way from the centre to it is 1.5 m more": (
+            lambda: (_printed_ratio() - 1) * 2 * pi * RADIUS
         ),
-        Mistake(
-            "radius for diameter",
-            lambda: RADIUS + pi * RADIUS - _printed_ratio() * pi * RADIUS,
-            "a circle is 2 pi r long, with r = 1.5 m",
+        "a circle is 2 pi r long, with r = 1.5 m": (
+            lambda: RADIUS + pi * RADIUS - _printed_ratio() * pi * RADIUS
         ),
-        Mistake(
-            "too long",
-            lambda: -missing_length(),
-            "the sign: the printed run is shorter than the shortest one that covers the circle",
+        "the sign: the printed run is shorter than the shortest one that covers the circle": (
+            lambda: -missing_length()
         ),
-    ),
+    },
     hints=(
         "Three lengths: the circle, the straight way from its centre to it, and the printed run.",
         "The printed run is 1.084 times the circle; the shortest covering one is 1.5 m + circle.",
@@ -137,68 +127,46 @@ METRICS = Exercise(
     title="The four measures of a run",
     reference=metrics,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "vertices only",
-            _from(_to_vertices),
-            "that is the distance to the nearest way-point: the path also runs between them",
+    mistakes={
+        "that is the distance to the nearest way-point: the path also runs between them": (
+            _from(_to_vertices)
         ),
-        Mistake(
-            "lines without ends",
-            _from(lambda actual, path: _distances(actual, path, -np.inf, np.inf)),
-            "your segments go on for ever: keep the share along each between 0 and 1",
+        "your segments go on for ever: keep the share along each between 0 and 1": (
+            _from(lambda actual, path: _distances(actual, path, -np.inf, np.inf))
         ),
-        Mistake(
-            "rays",
-            _from(lambda actual, path: _distances(actual, path, 0.0, np.inf)),
-            "your segments have a start but no end: the share along each is at most 1",
+        "your segments have a start but no end: the share along each is at most 1": (
+            _from(lambda actual, path: _distances(actual, path, 0.0, np.inf))
         ),
-        Mistake(
-            "the other way round",
-            _from(lambda actual, path: _distances(path, actual)),
-            "that is from each way-point to the run: ask from each point of the run to the path",
+        "that is from each way-point to the run: ask from each point of the run to the path": (
+            _from(lambda actual, path: _distances(path, actual))
         ),
-        Mistake(
-            "the path closed",
-            lambda actual, path: metrics(actual, _closed(path)),
-            "you lead the path back to its first point: it ends at its last",
+        "you lead the path back to its first point: it ends at its last": (
+            lambda actual, path: metrics(actual, _closed(path))
         ),
-        Mistake(
-            "variance",
-            _with(1, lambda actual, path: _distances(actual, path).var()),
-            "d_std is the square root of that: the standard deviation, not the variance",
+        "d_std is the square root of that: the standard deviation, not the variance": (
+            _with(1, lambda actual, path: _distances(actual, path).var())
         ),
-        Mistake(
-            "ddof",
-            _with(1, lambda actual, path: _distances(actual, path).std(ddof=1)),
-            "d_std is over all points of the run: divide by their number K, not by K - 1",
+        "d_std is over all points of the run: divide by their number K, not by K - 1": (
+            _with(1, lambda actual, path: _distances(actual, path).std(ddof=1))
         ),
-        Mistake(
-            "upside down",
-            _with(3, lambda actual, path: _length(path) / _length(actual)),
-            "d_ratio is upside down: the length of the run over that of the path",
+        "d_ratio is upside down: the length of the run over that of the path": (
+            _with(3, lambda actual, path: _length(path) / _length(actual))
         ),
-        Mistake(
-            "less one",
-            _with(3, lambda actual, path: _length(actual) / _length(path) - 1),
-            "d_ratio itself is asked, 1 for a perfect run; the charts take |d_ratio - 1|",
+        "d_ratio itself is asked, 1 for a perfect run; the charts take |d_ratio - 1|": (
+            _with(3, lambda actual, path: _length(actual) / _length(path) - 1)
         ),
-        Mistake(
-            "ends only",
+        "a length is the sum of all small steps, not the distance from first to last point": (
             _with(
                 3,
                 lambda actual, path: (
                     np.linalg.norm(actual[-1] - actual[0]) / np.linalg.norm(path[-1] - path[0])
                 ),
-            ),
-            "a length is the sum of all small steps, not the distance from first to last point",
+            )
         ),
-        Mistake(
-            "finer points",
-            _from(_to_resampled),
-            "nearly: that samples the path finely; the distance to a segment needs no sampling",
+        "nearly: that samples the path finely; the distance to a segment needs no sampling": (
+            _from(_to_resampled)
         ),
-    ),
+    },
     hints=(
         "Point p, segment from a to b: the foot of p lies the share (p - a).(b - a)/|b - a|^2 "
         "along it.",

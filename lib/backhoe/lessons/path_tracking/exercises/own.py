@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.vehicle import tracking
 
 NEAR_ENOUGH = 0.15
@@ -127,39 +127,25 @@ OWN = Exercise(
     reference=own_tracker,
     cases=lambda rng: [()],
     compare=judged,
-    mistakes=(
-        Mistake(
-            "away",
-            _mistaken(lambda command: command * (1.0, -1.0)),
-            "it turns away from the goal: with the other sign of omega it would follow",
+    mistakes={
+        "it turns away from the goal: with the other sign of omega it would follow": (
+            _mistaken(lambda command: command * (1.0, -1.0))
         ),
-        Mistake(
-            "degrees",
-            _mistaken(lambda command: command * (1.0, 180 / np.pi)),
-            "its turns are far too wild: is omega in degrees per second?",
+        "its turns are far too wild: is omega in degrees per second?": (
+            _mistaken(lambda command: command * (1.0, 180 / np.pi))
         ),
-        Mistake(
-            "backwards",
-            _mistaken(lambda command: command * (-1.0, 1.0)),
-            "it drives away from the goal: with the other sign of v it would follow",
+        "it drives away from the goal: with the other sign of v it would follow": (
+            _mistaken(lambda command: command * (-1.0, 1.0))
         ),
-        Mistake(
-            "order",
-            _mistaken(lambda command: command[::-1]),
-            "it returns omega first: the order is v, omega",
-        ),
-        Mistake(
-            "not wrapped",
-            _unwrapped,
+        "it returns omega first: the order is v, omega": _mistaken(lambda command: command[::-1]),
+        (
             "it follows bends but not a circle, where the heading passes pi: wrap the angle to "
-            "the goal",
+            "the goal"
+        ): _unwrapped,
+        "it does not drive at all: v stays at zero": (
+            lambda: lambda pose, twist, goal, dt: (0.0, 0.0)
         ),
-        Mistake(
-            "still",
-            lambda: lambda pose, twist, goal, dt: (0.0, 0.0),
-            "it does not drive at all: v stays at zero",
-        ),
-    ),
+    },
     hints=(
         "The bearing of the goal from the vehicle is atan2(dy, dx) - theta, wrapped; the distance "
         "is hypot(dx, dy).",

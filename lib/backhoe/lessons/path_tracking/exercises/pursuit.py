@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def pure_pursuit(pose: ArrayLike, path: ArrayLike, lookahead: float, speed: float) -> NDArray:
@@ -117,70 +117,41 @@ PURSUIT = Exercise(
     title="Pure pursuit",
     reference=pure_pursuit,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "factor 2",
-            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) * (1.0, 0.5),
-            "it turns half as much as it must: the curvature is 2 y_L / d^2, with the factor 2",
+    mistakes={
+        "it turns half as much as it must: the curvature is 2 y_L / d^2, with the factor 2": (
+            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) * (1.0, 0.5)
         ),
-        Mistake(
-            "from the start",
-            lambda pose, path, ahead, v: _steer(pose, _at(path, ahead), v),
-            "you look ahead from the start of the path: count from the point nearest the vehicle",
+        "you look ahead from the start of the path: count from the point nearest the vehicle": (
+            lambda pose, path, ahead, v: _steer(pose, _at(path, ahead), v)
         ),
-        Mistake(
-            "no look-ahead",
-            lambda pose, path, ahead, v: pure_pursuit(pose, path, 0.0, v),
-            "you steer to the nearest point itself: go on along the path by the look-ahead",
+        "you steer to the nearest point itself: go on along the path by the look-ahead": (
+            lambda pose, path, ahead, v: pure_pursuit(pose, path, 0.0, v)
         ),
-        Mistake(
-            "nearest vertex",
-            _nearest_vertex,
-            "you start from the nearest way-point: the nearest point may lie between two",
+        "you start from the nearest way-point: the nearest point may lie between two": (
+            _nearest_vertex
         ),
-        Mistake(
-            "vertex ahead",
-            _vertex_ahead,
-            "you steer to a way-point: the point ahead may lie between two, interpolate",
+        "you steer to a way-point: the point ahead may lie between two, interpolate": (
+            _vertex_ahead
         ),
-        Mistake(
-            "right for left",
-            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) * (1.0, -1.0),
-            "it turns away from the path: y_L is positive to the left, and so is omega",
+        "it turns away from the path: y_L is positive to the left, and so is omega": (
+            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) * (1.0, -1.0)
         ),
-        Mistake(
-            "fixed frame",
-            _fixed_frame,
-            "y_L is measured in the vehicle's frame: turn the difference by -theta",
-        ),
-        Mistake(
-            "look-ahead for d",
-            _lookahead_for_distance,
-            "d is the straight way from the vehicle to the point, not the look-ahead along the "
-            "path",
-        ),
-        Mistake(
-            "circle about the vehicle",
-            _leaves_the_circle,
+        "y_L is measured in the vehicle's frame: turn the difference by -theta": _fixed_frame,
+        (
+            "d is the straight way from the vehicle to the point, not the look-ahead along the path"
+        ): _lookahead_for_distance,
+        (
             "you steer to where the path leaves the circle about the vehicle, as the library does: "
-            "here the look-ahead is counted along the path",
+            "here the look-ahead is counted along the path"
+        ): _leaves_the_circle,
+        "the curvature is 2 y_L over d squared: you divide by d once": _distance_once,
+        "you turn in proportion to the angle: the arc to the point has curvature 2 y_L / d^2": (
+            _by_angle
         ),
-        Mistake(
-            "d once",
-            _distance_once,
-            "the curvature is 2 y_L over d squared: you divide by d once",
+        "that is the curvature: omega is v times as much": (
+            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) / (1.0, v)
         ),
-        Mistake(
-            "angle for arc",
-            _by_angle,
-            "you turn in proportion to the angle: the arc to the point has curvature 2 y_L / d^2",
-        ),
-        Mistake(
-            "curvature returned",
-            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) / (1.0, v),
-            "that is the curvature: omega is v times as much",
-        ),
-    ),
+    },
     hints=(
         "Three steps: the point nearest the vehicle, the point so far ahead along the path, the "
         "arc.",

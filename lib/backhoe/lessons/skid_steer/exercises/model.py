@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.vehicle.skid_steer import HUSKY, Vehicle, replace
 
 
@@ -49,53 +49,37 @@ RATES = Exercise(
     title="Repair (2.15)",
     reference=rates,
     cases=_vehicles,
-    mistakes=(
-        Mistake(
-            "as printed",
+    mistakes={
+        "that is (2.15) as printed: neither its drives nor its turning drag are in 1/s": (
             lambda vehicle: (
                 _drive(vehicle, vehicle.wheel_radius / 2)
                 * (1, 1, 1, vehicle.half_track / vehicle.front**2)
-            ),
-            "that is (2.15) as printed: neither its drives nor its turning drag are in 1/s",
+            )
         ),
-        Mistake(
-            "one radius missing",
-            lambda vehicle: _drive(vehicle, vehicle.wheel_radius),
-            "one r turns torque into force, another turns m/s into rad/s: divide by r^2",
+        "one r turns torque into force, another turns m/s into rad/s: divide by r^2": (
+            lambda vehicle: _drive(vehicle, vehicle.wheel_radius)
         ),
-        Mistake(
-            "two wheels for four",
-            lambda vehicle: _drive(vehicle, 0.5),
-            "hypothesis 7 gives each wheel its torque: four of them push, not two",
+        "hypothesis 7 gives each wheel its torque: four of them push, not two": (
+            lambda vehicle: _drive(vehicle, 0.5)
         ),
-        Mistake(
-            "turning drag as printed",
-            lambda vehicle: _turning_drag(vehicle, vehicle.half_track),
-            "the drives are repaired; the turning drag m g K_y c is still a force, not a torque",
+        "the drives are repaired; the turning drag m g K_y c is still a force, not a torque": (
+            lambda vehicle: _turning_drag(vehicle, vehicle.half_track)
         ),
-        Mistake(
-            "half track for the axle",
-            lambda vehicle: _turning_drag(vehicle, vehicle.half_track**2),
-            "the units fit, but sideways a wheel slips with a omega, and its lever is a: a^2",
+        "the units fit, but sideways a wheel slips with a omega, and its lever is a: a^2": (
+            lambda vehicle: _turning_drag(vehicle, vehicle.half_track**2)
         ),
-        Mistake(
-            "one half track in the turn",
-            lambda vehicle: rates(vehicle) * (1, 1, 1 / vehicle.half_track, 1),
-            "c enters the turn twice: once in the wheel's speed, once as the lever of its push",
+        "c enters the turn twice: once in the wheel's speed, once as the lever of its push": (
+            lambda vehicle: rates(vehicle) * (1, 1, 1 / vehicle.half_track, 1)
         ),
-        Mistake(
-            "this vehicle only",
-            lambda vehicle: rates(HUSKY),
-            "these are the Husky's own each time: use the vehicle that you are given",
+        "these are the Husky's own each time: use the vehicle that you are given": (
+            lambda vehicle: rates(HUSKY)
         ),
-        Mistake(
-            "decays for drags",
+        "that adds drive and drag, the rate of decay: return the two parts": (
             lambda vehicle: (
                 rates(vehicle) @ ((1, 1, 0, 0), (0, 1, 0, 0), (0, 0, 1, 1), (0, 0, 0, 1))
-            ),
-            "that adds drive and drag, the rate of decay: return the two parts",
+            )
         ),
-    ),
+    },
     hints=(
         "tau = K (omega_ref - omega) at each wheel, omega = v / r, and its push is tau / r.",
         "Turning: each wheel slips sideways with a omega, drags with N K_y a omega, at a lever a.",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.arm.pid import DigitalPID
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def sampled_pi(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
@@ -86,52 +86,34 @@ SAMPLED_PI = Exercise(
     reference=sampled_pi,
     cases=_cases,
     compare=right_clamping,
-    mistakes=(
-        Mistake(
-            "no anti-windup",
-            _pi(lambda total, e, dt, kp, ki, limit: total + ki * dt * e),
-            "the output is limited, the integral is not: it winds up while the output waits",
+    mistakes={
+        "the output is limited, the integral is not: it winds up while the output waits": (
+            _pi(lambda total, e, dt, kp, ki, limit: total + ki * dt * e)
         ),
-        Mistake(
-            "not limited at all",
-            _pi(lambda total, e, dt, kp, ki, limit: total + ki * dt * e, clip=False),
-            "the output leaves the limits: no battery gives more than its voltage",
+        "the output leaves the limits: no battery gives more than its voltage": (
+            _pi(lambda total, e, dt, kp, ki, limit: total + ki * dt * e, clip=False)
         ),
-        Mistake(
-            "integral without dt",
-            _pi(lambda total, e, dt, kp, ki, limit: _held(total, e, ki * e, kp, limit)),
-            "the integral grows with each sample, however short: dt is missing",
+        "the integral grows with each sample, however short: dt is missing": (
+            _pi(lambda total, e, dt, kp, ki, limit: _held(total, e, ki * e, kp, limit))
         ),
-        Mistake(
-            "integral limited alone",
+        "the integral may fill the whole range by itself: it is P + I that must stay within": (
             _pi(
                 lambda total, e, dt, kp, ki, limit: float(
                     np.clip(total + ki * dt * e, -limit, limit)
                 )
-            ),
-            "the integral may fill the whole range by itself: it is P + I that must stay within",
+            )
         ),
-        Mistake(
-            "as factored in (4.6)",
-            _pi(lambda total, e, dt, kp, ki, limit: _held(total, e, kp * ki * dt * e, kp, limit)),
-            "that is (4.6) with its K_p in front of K_i: here ki stands alone",
+        "that is (4.6) with its K_p in front of K_i: here ki stands alone": (
+            _pi(lambda total, e, dt, kp, ki, limit: _held(total, e, kp * ki * dt * e, kp, limit))
         ),
-        Mistake(
-            "no memory",
-            _pi(lambda total, e, dt, kp, ki, limit: _held(0.0, e, ki * dt * e, kp, limit)),
-            "the integral forgets: it must add up over the samples",
+        "the integral forgets: it must add up over the samples": (
+            _pi(lambda total, e, dt, kp, ki, limit: _held(0.0, e, ki * dt * e, kp, limit))
         ),
-        Mistake(
-            "a sample late",
-            _a_sample_late,
-            "the integral comes a sample late: (4.6) adds the present error first",
+        "the integral comes a sample late: (4.6) adds the present error first": _a_sample_late,
+        "that is the P alone: the integral is missing": (
+            lambda error, dt, kp, ki, limit: np.clip(kp * error, -limit, limit)
         ),
-        Mistake(
-            "P alone",
-            lambda error, dt, kp, ki, limit: np.clip(kp * error, -limit, limit),
-            "that is the P alone: the integral is missing",
-        ),
-    ),
+    },
     hints=(
         "A loop over the error with one number that lasts, the integral; clip what you return.",
         "Add ki dt e to the integral only if kp e + integral + ki dt e then stays in the limits.",

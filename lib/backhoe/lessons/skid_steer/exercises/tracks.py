@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 
 
 def tractions(force: float, moment: float, gauge: float) -> NDArray:
@@ -27,49 +27,33 @@ TRACTIONS = Exercise(
     title="A force and a moment for two tracks",
     reference=tractions,
     cases=_cases,
-    mistakes=(
-        Mistake(
-            "both sides plus",
-            lambda force, moment, gauge: np.full(2, force / 2 + moment / gauge),
-            "both tracks get the same, u_l = u_v + u_w: the left one takes the minus",
+    mistakes={
+        "both tracks get the same, u_l = u_v + u_w: the left one takes the minus": (
+            lambda force, moment, gauge: np.full(2, force / 2 + moment / gauge)
         ),
-        Mistake(
-            "sides swapped",
-            lambda force, moment, gauge: tractions(force, moment, gauge)[::-1],
-            "it would turn to the right: a positive moment pushes more on the right",
+        "it would turn to the right: a positive moment pushes more on the right": (
+            lambda force, moment, gauge: tractions(force, moment, gauge)[::-1]
         ),
-        Mistake(
-            "lever missing",
-            lambda force, moment, gauge: _mixed(force, moment),
-            "that is (3.35) with a moment for a force: the lever of a track is missing",
+        "that is (3.35) with a moment for a force: the lever of a track is missing": (
+            lambda force, moment, gauge: _mixed(force, moment)
         ),
-        Mistake(
-            "lever, but for one side",
-            lambda force, moment, gauge: _mixed(force, 2 * moment / gauge),
-            "the lever is right, but both sides make the moment: each has half of it",
+        "the lever is right, but both sides make the moment: each has half of it": (
+            lambda force, moment, gauge: _mixed(force, 2 * moment / gauge)
         ),
-        Mistake(
-            "halved twice",
-            lambda force, moment, gauge: _mixed(force, moment / (2 * gauge)),
+        (
             "half of the moment is missing: each side makes half of it, at a lever of half the "
-            "gauge",
+            "gauge"
+        ): lambda force, moment, gauge: _mixed(force, moment / (2 * gauge)),
+        "a longer lever needs less force: divide the moment by it": (
+            lambda force, moment, gauge: _mixed(force, moment * gauge / 2)
         ),
-        Mistake(
-            "multiplied by the lever",
-            lambda force, moment, gauge: _mixed(force, moment * gauge / 2),
-            "a longer lever needs less force: divide the moment by it",
+        "each track gets the whole force, so together they push twice as hard": (
+            lambda force, moment, gauge: _mixed(2 * force, moment / gauge)
         ),
-        Mistake(
-            "force on each track",
-            lambda force, moment, gauge: _mixed(2 * force, moment / gauge),
-            "each track gets the whole force, so together they push twice as hard",
+        "both sums come out twice as large: two tracks share the force and the moment": (
+            lambda force, moment, gauge: 2 * tractions(force, moment, gauge)
         ),
-        Mistake(
-            "both whole",
-            lambda force, moment, gauge: 2 * tractions(force, moment, gauge),
-            "both sums come out twice as large: two tracks share the force and the moment",
-        ),
-    ),
+    },
     hints=(
         "Two unknowns, two equations: the sum is the force, the difference times l/2 the moment.",
         "left + right = force and (right - left) gauge / 2 = moment: solve for left and right.",

@@ -6,7 +6,7 @@ from math import exp
 
 import numpy as np
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.vehicle import motor
 from backhoe.vehicle.motor import ROVER
 from backhoe.vehicle.skid_steer import HUSKY
@@ -59,55 +59,35 @@ GEARED = Exercise(
     title="A motor behind its gearbox",
     reference=geared_step,
     cases=_steps,
-    mistakes=(
-        Mistake(
-            "forward Euler",
-            _euler,
-            "that is forward Euler, right for short steps only: E = exp(-h / tau) is exact",
+    mistakes={
+        "that is forward Euler, right for short steps only: E = exp(-h / tau) is exact": _euler,
+        "the gearbox is missing: the wheel feels n times the torque of the rotor": (
+            lambda *step: _stepped(*step, rotor=1, friction=1, emf=1, drive=1)
         ),
-        Mistake(
-            "no gearbox",
-            lambda *step: _stepped(*step, rotor=1, friction=1, emf=1, drive=1),
-            "the gearbox is missing: the wheel feels n times the torque of the rotor",
+        "at the wheel the rotor's inertia and losses count n^2 times, not n times": (
+            lambda *step: _stepped(*step, rotor=_N, friction=_N, emf=_N)
         ),
-        Mistake(
-            "gear once",
-            lambda *step: _stepped(*step, rotor=_N, friction=_N, emf=_N),
-            "at the wheel the rotor's inertia and losses count n^2 times, not n times",
+        "the inertia is reflected the wrong way: at the wheel the rotor counts n^2 times more": (
+            lambda *step: _stepped(*step, rotor=1 / _N**2)
         ),
-        Mistake(
-            "gear on the wrong side",
-            lambda *step: _stepped(*step, rotor=1 / _N**2),
-            "the inertia is reflected the wrong way: at the wheel the rotor counts n^2 times more",
+        "the back-EMF comes from the rotor's speed, n omega, and its torque counts n times too": (
+            lambda *step: _stepped(*step, emf=_N)
         ),
-        Mistake(
-            "back-EMF of the wheel",
-            lambda *step: _stepped(*step, emf=_N),
-            "the back-EMF comes from the rotor's speed, n omega, and its torque counts n times too",
+        "the rotor's own inertia is missing: seen from the wheel it is n^2 J": (
+            lambda *step: _stepped(*step, rotor=0)
         ),
-        Mistake(
-            "rotor forgotten",
-            lambda *step: _stepped(*step, rotor=0),
-            "the rotor's own inertia is missing: seen from the wheel it is n^2 J",
+        "the load's inertia has no effect: add it to n^2 J": (
+            lambda speed, voltage, torque, load, h: geared_step(speed, voltage, torque, 0.0, h)
         ),
-        Mistake(
-            "load forgotten",
-            lambda speed, voltage, torque, load, h: geared_step(speed, voltage, torque, 0.0, h),
-            "the load's inertia has no effect: add it to n^2 J",
+        "the load torque helps: T_d acts against the motion, with a minus": (
+            lambda speed, voltage, torque, load, h: geared_step(speed, voltage, -torque, load, h)
         ),
-        Mistake(
-            "load torque turned round",
-            lambda speed, voltage, torque, load, h: geared_step(speed, voltage, -torque, load, h),
-            "the load torque helps: T_d acts against the motion, with a minus",
-        ),
-        Mistake(
-            "load torque at the rotor",
+        "the load torque acts at the wheel already: it takes no factor n there": (
             lambda speed, voltage, torque, load, h: geared_step(
                 speed, voltage, _N * torque, load, h
-            ),
-            "the load torque acts at the wheel already: it takes no factor n there",
+            )
         ),
-    ),
+    },
     hints=(
         "Everything at the wheel: torque n K_m / R V, inertia n^2 J + load, losses times n^2.",
         "damping = n^2 (b + K_m K_b / R), tau = inertia / damping, end = (drive - T_d) / damping.",
@@ -161,12 +141,12 @@ GAINS = Exercise(
     title="Tune a wheel",
     reference=wheel_gains,
     compare=_meets,
-    mistakes=(
-        Mistake("far too much", (60.0, 100.0, 0.0), _SATURATES),
-        Mistake("too much integral", (6.0, 1000.0, 0.0), _OVERSHOOTS),
-        Mistake("no integral", (8.0, 0.0, 0.0), _SHORT),
-        Mistake("too gentle", (1.0, 25.0, 0.0), _LATE),
-    ),
+    mistakes={
+        (_SATURATES): ((60.0, 100.0, 0.0)),
+        (_OVERSHOOTS): ((6.0, 1000.0, 0.0)),
+        (_SHORT): ((8.0, 0.0, 0.0)),
+        (_LATE): ((1.0, 25.0, 0.0)),
+    },
     hints=(
         "Begin with K_p alone until it is fast enough, then add K_i until nothing is left.",
         "A PI has its zero at -K_i / K_p: put it on the motor's pole, K_i = K_p / tau.",

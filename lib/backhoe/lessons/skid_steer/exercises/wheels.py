@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.vehicle.skid_steer import HUSKY
 
 _RADIUS, _TRACK = HUSKY.wheel_radius, 2 * HUSKY.half_track
@@ -26,50 +26,34 @@ WHEELS = Exercise(
     title="From a twist to wheel speeds",
     reference=wheel_speeds,
     cases=lambda rng: [tuple(rng.uniform((-1.0, -1.5), (1.0, 1.5))) for _ in range(40)],
-    mistakes=(
-        Mistake(
-            "whole track for half",
-            lambda v, omega: _wheels(v, omega, _TRACK),
-            "it turns twice as fast as asked: c is half the distance between left and right",
+    mistakes={
+        "it turns twice as fast as asked: c is half the distance between left and right": (
+            lambda v, omega: _wheels(v, omega, _TRACK)
         ),
-        Mistake(
-            "half of the half track",
-            lambda v, omega: _wheels(v, omega, _TRACK / 4),
-            "it turns half as fast as asked: c is half the distance already, do not halve it again",
+        "it turns half as fast as asked: c is half the distance already, do not halve it again": (
+            lambda v, omega: _wheels(v, omega, _TRACK / 4)
         ),
-        Mistake(
-            "sides swapped",
-            lambda v, omega: wheel_speeds(v, omega)[::-1],
-            "left and right are swapped: a left turn needs the faster wheels on the right",
+        "left and right are swapped: a left turn needs the faster wheels on the right": (
+            lambda v, omega: wheel_speeds(v, omega)[::-1]
         ),
-        Mistake(
-            "radius missing",
-            lambda v, omega: wheel_speeds(v, omega) * _RADIUS,
-            "these are speeds of the rims in m/s: divide by the radius to get rad/s",
+        "these are speeds of the rims in m/s: divide by the radius to get rad/s": (
+            lambda v, omega: wheel_speeds(v, omega) * _RADIUS
         ),
-        Mistake(
-            "radius multiplied",
-            lambda v, omega: wheel_speeds(v, omega) * _RADIUS**2,
-            "a larger wheel turns more slowly at the same speed: divide by r",
+        "a larger wheel turns more slowly at the same speed: divide by r": (
+            lambda v, omega: wheel_speeds(v, omega) * _RADIUS**2
         ),
-        Mistake(
-            "radius on one term only",
+        "only the turn is divided by r: brackets round v -+ c omega": (
             lambda v, omega: np.array(
                 [v - omega * _TRACK / 2 / _RADIUS, v + omega * _TRACK / 2 / _RADIUS]
-            ),
-            "only the turn is divided by r: brackets round v -+ c omega",
+            )
         ),
-        Mistake(
-            "revolutions a minute",
-            lambda v, omega: wheel_speeds(v, omega) * 30 / np.pi,
-            "these are revolutions a minute: the wheels' speeds come in rad/s",
+        "these are revolutions a minute: the wheels' speeds come in rad/s": (
+            lambda v, omega: wheel_speeds(v, omega) * 30 / np.pi
         ),
-        Mistake(
-            "mean of the sides",
-            lambda v, omega: np.full(2, v / _RADIUS),
-            "both sides get the same speed, so it never turns: what does omega do to each side?",
+        "both sides get the same speed, so it never turns: what does omega do to each side?": (
+            lambda v, omega: np.full(2, v / _RADIUS)
         ),
-    ),
+    },
     hints=(
         "The left wheels are c to the left of the middle: at omega they move back by c omega.",
         "v_left = v - c omega and v_right = v + c omega in m/s; then divide by the wheel's radius.",
@@ -89,43 +73,29 @@ SIDE_SLIP = Exercise(
     title="What slips sideways",
     reference=side_slip,
     cases=lambda rng: [tuple(rng.uniform((-1.5, -0.24), (1.5, 0.24))) for _ in range(40)],
-    mistakes=(
-        Mistake(
-            "sign of x_icr",
-            lambda omega, x_icr: side_slip(omega, -x_icr),
-            "(2.5) says v_y = -x_ICR omega: you have the other sign of x_ICR",
+    mistakes={
+        "(2.5) says v_y = -x_ICR omega: you have the other sign of x_ICR": (
+            lambda omega, x_icr: side_slip(omega, -x_icr)
         ),
-        Mistake(
-            "of the centre of mass",
-            lambda omega, x_icr: np.full(2, -x_icr * omega),
-            "that is v_y of the centre of mass: a wheel ahead of it also moves with the turn",
+        "that is v_y of the centre of mass: a wheel ahead of it also moves with the turn": (
+            lambda omega, x_icr: np.full(2, -x_icr * omega)
         ),
-        Mistake(
-            "x_icr forgotten",
-            lambda omega, x_icr: side_slip(omega, 0.0),
-            "x_ICR has no effect: the wheel's distance to the centre of rotation counts",
+        "x_ICR has no effect: the wheel's distance to the centre of rotation counts": (
+            lambda omega, x_icr: side_slip(omega, 0.0)
         ),
-        Mistake(
-            "rear like front",
-            lambda omega, x_icr: side_slip(omega, x_icr)[[0, 0]],
-            "the rear wheels are behind the centre of mass: theirs is -b, not +b",
+        "the rear wheels are behind the centre of mass: theirs is -b, not +b": (
+            lambda omega, x_icr: side_slip(omega, x_icr)[[0, 0]]
         ),
-        Mistake(
-            "rear and front",
-            lambda omega, x_icr: side_slip(omega, x_icr)[::-1],
-            "front and rear are swapped: in a left turn the front moves to the left",
+        "front and rear are swapped: in a left turn the front moves to the left": (
+            lambda omega, x_icr: side_slip(omega, x_icr)[::-1]
         ),
-        Mistake(
-            "half track for wheelbase",
-            lambda omega, x_icr: omega * (np.array([1, -1]) * HUSKY.half_track - x_icr),
-            "that takes c, the distance to the side: sideways a wheel moves by its x, a or -b",
+        "that takes c, the distance to the side: sideways a wheel moves by its x, a or -b": (
+            lambda omega, x_icr: omega * (np.array([1, -1]) * HUSKY.half_track - x_icr)
         ),
-        Mistake(
-            "per radian",
-            lambda omega, x_icr: np.array([HUSKY.front - x_icr, -HUSKY.rear - x_icr]),
-            "these are distances in m: how fast does the vehicle turn about the centre?",
+        "these are distances in m: how fast does the vehicle turn about the centre?": (
+            lambda omega, x_icr: np.array([HUSKY.front - x_icr, -HUSKY.rear - x_icr])
         ),
-    ),
+    },
     hints=(
         "A point at (x, y) of a turning body moves sideways with v_y + omega x.",
         "v_y = -x_icr omega from (2.5); x is HUSKY.front for the front, -HUSKY.rear for the rear.",
@@ -162,48 +132,32 @@ HALF_TRACK = Exercise(
     title="Repair (2.7)",
     reference=half_track,
     cases=_spins,
-    mistakes=(
-        Mistake(
-            "as printed",
-            lambda t, left, right, turn: _scaled(t, left, right, turn, 1 / _RADIUS),
-            "that is (2.7) as printed, an angle by an angle: the wheel's radius makes it a length",
+    mistakes={
+        "that is (2.7) as printed, an angle by an angle: the wheel's radius makes it a length": (
+            lambda t, left, right, turn: _scaled(t, left, right, turn, 1 / _RADIUS)
         ),
-        Mistake(
-            "whole track",
-            lambda t, left, right, turn: _scaled(t, left, right, turn, 2.0),
-            "that is the whole effective track: half of it is asked",
+        "that is the whole effective track: half of it is asked": (
+            lambda t, left, right, turn: _scaled(t, left, right, turn, 2.0)
         ),
-        Mistake(
-            "sides swapped",
-            lambda t, left, right, turn: _scaled(t, left, right, turn, -1.0),
-            "it is negative: right minus left, for a turn to the left",
+        "it is negative: right minus left, for a turn to the left": (
+            lambda t, left, right, turn: _scaled(t, left, right, turn, -1.0)
         ),
-        Mistake(
-            "one side only",
-            lambda t, left, right, turn: half_track(t, -right, right, turn),
-            "only the right side is used: the left wheels did not turn exactly as fast backwards",
+        "only the right side is used: the left wheels did not turn exactly as fast backwards": (
+            lambda t, left, right, turn: half_track(t, -right, right, turn)
         ),
-        Mistake(
-            "sum without dt",
-            lambda t, left, right, turn: _RADIUS * np.sum(right - left) / (2 * turn),
-            "a sum of speeds is no angle: each sample counts for its time step",
+        "a sum of speeds is no angle: each sample counts for its time step": (
+            lambda t, left, right, turn: _RADIUS * np.sum(right - left) / (2 * turn)
         ),
-        Mistake(
-            "turn in degrees",
-            lambda t, left, right, turn: half_track(t, left, right, np.degrees(turn)),
-            "the turn is in radians already",
+        "the turn is in radians already": (
+            lambda t, left, right, turn: half_track(t, left, right, np.degrees(turn))
         ),
-        Mistake(
-            "last speeds",
-            lambda t, left, right, turn: _RADIUS * np.max(right - left) * t[-1] / (2 * turn),
-            "that takes the highest speeds for all of the time: integrate them",
+        "that takes the highest speeds for all of the time: integrate them": (
+            lambda t, left, right, turn: _RADIUS * np.max(right - left) * t[-1] / (2 * turn)
         ),
-        Mistake(
-            "of the table",
-            lambda t, left, right, turn: HUSKY.half_track,
-            "that is the half track of the drawing: the spins tell another one",
+        "that is the half track of the drawing: the spins tell another one": (
+            lambda t, left, right, turn: HUSKY.half_track
         ),
-    ),
+    },
     hints=(
         "Each rim ran r times the angle of its wheel. Without slip, what would the turn have been?",
         "np.trapezoid(right - left, t) is an angle; times r, over twice the turn, it is a length.",

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.tour.exercises.reading import random_postures
 from backhoe.machine import BACKHOE
 
@@ -90,48 +90,30 @@ MOVING = (
         rtol=1e-3,
         atol=1e-5,
         tested_on="20 random postures",
-        mistakes=(
-            Mistake(
-                "a radian",
-                lambda q: _travel(q, np.linalg.norm, turn=1.0),
-                "you turn each joint by one radian: one degree is np.radians(1.0)",
+        mistakes={
+            "you turn each joint by one radian: one degree is np.radians(1.0)": (
+                lambda q: _travel(q, np.linalg.norm, turn=1.0)
             ),
-            Mistake(
-                "height",
-                lambda q: _travel(q, lambda d: abs(d[2])),
-                "that is the change of height alone: the distance has x and y in it as well",
+            "that is the change of height alone: the distance has x and y in it as well": (
+                lambda q: _travel(q, lambda d: abs(d[2]))
             ),
-            Mistake(
-                "from above",
-                lambda q: _travel(q, lambda d: np.linalg.norm(d[:2])),
-                "that is what one sees from above: the height z belongs to the distance as well",
+            "that is what one sees from above: the height z belongs to the distance as well": (
+                lambda q: _travel(q, lambda d: np.linalg.norm(d[:2]))
             ),
-            Mistake(
-                "stick",
-                lambda q: _travel(q, np.linalg.norm, frame="stick"),
-                "that is the stick's tip, where the bucket hangs: the teeth are the frame 'tip'",
+            "that is the stick's tip, where the bucket hangs: the teeth are the frame 'tip'": (
+                lambda q: _travel(q, np.linalg.norm, frame="stick")
             ),
-            Mistake(
-                "added up",
-                _all_turned,
-                "the joints before are still turned: start from q again for each joint",
+            "the joints before are still turned: start from q again for each joint": _all_turned,
+            "that is the square of the distance: take the root, or np.linalg.norm": (
+                lambda q: _travel(q, lambda d: d @ d)
             ),
-            Mistake(
-                "square",
-                lambda q: _travel(q, lambda d: d @ d),
-                "that is the square of the distance: take the root, or np.linalg.norm",
+            "distances along x, y and z do not just add up: take np.linalg.norm": (
+                lambda q: _travel(q, lambda d: np.abs(d).sum())
             ),
-            Mistake(
-                "sum",
-                lambda q: _travel(q, lambda d: np.abs(d).sum()),
-                "distances along x, y and z do not just add up: take np.linalg.norm",
+            "those are the displacements: one distance for each joint is asked, four numbers": (
+                lambda q: _travel(q, lambda d: d)
             ),
-            Mistake(
-                "vectors",
-                lambda q: _travel(q, lambda d: d),
-                "those are the displacements: one distance for each joint is asked, four numbers",
-            ),
-        ),
+        },
         hints=(
             "where are the teeth before and after? kinematics.forward_kinematics(q)[:3, 3] tells",
             "for each joint: copy q, add np.radians(1.0) to that joint alone, and measure the "
@@ -144,46 +126,32 @@ MOVING = (
         reference=loads,
         cases=_load_cases,
         tested_on="21 trucks and buckets",
-        mistakes=(
-            Mistake(
-                "rounded down",
-                lambda truck_volume, bucket_volume, fill: int(
-                    truck_volume / (bucket_volume * fill)
-                ),
-                "the truck is not quite full: round up, the last bucket may be a small one",
+        mistakes={
+            "the truck is not quite full: round up, the last bucket may be a small one": (
+                lambda truck_volume, bucket_volume, fill: int(truck_volume / (bucket_volume * fill))
             ),
-            Mistake(
-                "not rounded",
-                lambda truck_volume, bucket_volume, fill: truck_volume / (bucket_volume * fill),
-                "a machine cannot dig part of a time: a whole number is asked, rounded up",
+            "a machine cannot dig part of a time: a whole number is asked, rounded up": (
+                lambda truck_volume, bucket_volume, fill: truck_volume / (bucket_volume * fill)
             ),
-            Mistake(
-                "rounded to the nearest",
+            "rounding to the nearest leaves some trucks not full: always round up": (
                 lambda truck_volume, bucket_volume, fill: round(
                     truck_volume / (bucket_volume * fill)
-                ),
-                "rounding to the nearest leaves some trucks not full: always round up",
+                )
             ),
-            Mistake(
-                "full buckets",
-                lambda truck_volume, bucket_volume, fill: math.ceil(truck_volume / bucket_volume),
-                "you count on full buckets: a dig brings in bucket_volume * fill",
+            "you count on full buckets: a dig brings in bucket_volume * fill": (
+                lambda truck_volume, bucket_volume, fill: math.ceil(truck_volume / bucket_volume)
             ),
-            Mistake(
-                "fill the other way",
+            "fill is on the wrong side: emptier buckets mean more of them, not fewer": (
                 lambda truck_volume, bucket_volume, fill: math.ceil(
                     truck_volume / bucket_volume * fill
-                ),
-                "fill is on the wrong side: emptier buckets mean more of them, not fewer",
+                )
             ),
-            Mistake(
-                "one more",
+            "one too many when it comes out even: 6 m^3 are 12 buckets of 0.5 m^3": (
                 lambda truck_volume, bucket_volume, fill: (
                     int(truck_volume / (bucket_volume * fill)) + 1
-                ),
-                "one too many when it comes out even: 6 m^3 are 12 buckets of 0.5 m^3",
+                )
             ),
-        ),
+        },
         hints=(
             "how much soil does one bucket bring? how often does that go into the truck?",
             "math.ceil rounds up to the next whole number",
@@ -197,85 +165,59 @@ MOVING = (
             (random_postures(rng, 6), float(share)) for share in rng.uniform(0.2, 0.9, 20)
         ],
         tested_on="20 random movements of six postures",
-        mistakes=(
-            Mistake(
-                "sum",
-                lambda q_way, share: _times(q_way, share, over_joints=np.sum),
-                "the joints move together, not one after the other: the slowest counts, no sum",
+        mistakes={
+            "the joints move together, not one after the other: the slowest counts, no sum": (
+                lambda q_way, share: _times(q_way, share, over_joints=np.sum)
             ),
-            Mistake(
-                "mean",
-                lambda q_way, share: _times(q_way, share, over_joints=np.mean),
-                "that is the mean over the joints: the slowest decides, so the longest time counts",
+            "that is the mean over the joints: the slowest decides, so the longest time counts": (
+                lambda q_way, share: _times(q_way, share, over_joints=np.mean)
             ),
-            Mistake(
-                "norm",
-                lambda q_way, share: _times(q_way, share, over_joints=np.linalg.norm),
-                "joints that move together are no triangle: the longest time counts",
+            "joints that move together are no triangle: the longest time counts": (
+                lambda q_way, share: _times(q_way, share, over_joints=np.linalg.norm)
             ),
-            Mistake(
-                "slowest limit",
+            "the slowest joint is not always the one that turns most: divide joint by joint": (
                 lambda q_way, share: (
                     np.max(np.abs(np.diff(q_way, axis=0)), axis=1)
                     / (share * np.min(BACKHOE.speed_limit))
-                ),
-                "the slowest joint is not always the one that turns most: divide joint by joint",
+                )
             ),
-            Mistake(
-                "sign taken off too late",
-                lambda q_way, share: np.abs(_times(q_way, share, size=np.asarray)),
-                "the sign goes too late: first np.abs of the turns, then the largest",
+            "the sign goes too late: first np.abs of the turns, then the largest": (
+                lambda q_way, share: np.abs(_times(q_way, share, size=np.asarray))
             ),
-            Mistake(
-                "since the start",
-                lambda q_way, share: np.cumsum(_times(q_way, share)),
-                "those times count from the start: each segment has its own, from one way-point on",
+            "those times count from the start: each segment has its own, from one way-point on": (
+                lambda q_way, share: np.cumsum(_times(q_way, share))
             ),
-            Mistake(
-                "one for each way-point",
-                lambda q_way, share: np.append(0.0, _times(q_way, share)),
-                "that is one time too many: n way-points have n - 1 segments, without a leading 0",
+            "that is one time too many: n way-points have n - 1 segments, without a leading 0": (
+                lambda q_way, share: np.append(0.0, _times(q_way, share))
             ),
-            Mistake(
-                "quickest joint",
-                lambda q_way, share: _times(q_way, share, over_joints=np.min),
-                "that is the joint which is ready first: all must be, so the longest time counts",
+            "that is the joint which is ready first: all must be, so the longest time counts": (
+                lambda q_way, share: _times(q_way, share, over_joints=np.min)
             ),
-            Mistake(
-                "no size",
-                lambda q_way, share: _times(q_way, share, size=np.asarray),
-                "a joint that turns back needs time too: take np.abs of the turns",
+            "a joint that turns back needs time too: take np.abs of the turns": (
+                lambda q_way, share: _times(q_way, share, size=np.asarray)
             ),
-            Mistake(
-                "full speed",
-                lambda q_way, share: _times(q_way, 1.0),
-                "share is not used: a joint may use share * BACKHOE.speed_limit only",
+            "share is not used: a joint may use share * BACKHOE.speed_limit only": (
+                lambda q_way, share: _times(q_way, 1.0)
             ),
-            Mistake(
-                "share the other way",
-                lambda q_way, share: _times(q_way, 1 / share),
-                "share is on the wrong side: a smaller share of the speed needs more time",
+            "share is on the wrong side: a smaller share of the speed needs more time": (
+                lambda q_way, share: _times(q_way, 1 / share)
             ),
-            Mistake(
-                "one limit for all",
+            (
+                "each joint has its own largest speed: divide joint by joint, then look for the "
+                "longest time"
+            ): (
                 lambda q_way, share: (
                     np.max(np.abs(np.diff(q_way, axis=0)), axis=1)
                     / (share * np.max(BACKHOE.speed_limit))
-                ),
-                "each joint has its own largest speed: divide joint by joint, then look for the "
-                "longest time",
+                )
             ),
-            Mistake(
-                "whole way",
-                lambda q_way, share: np.sum(_times(q_way, share)),
-                "that is the time of the whole way: one time for each segment is asked",
+            "that is the time of the whole way: one time for each segment is asked": (
+                lambda q_way, share: np.sum(_times(q_way, share))
             ),
-            Mistake(
-                "joint by joint",
-                lambda q_way, share: np.abs(np.diff(q_way, axis=0)) / (share * BACKHOE.speed_limit),
-                "that is a time for each joint: take the largest along axis 1",
+            "that is a time for each joint: take the largest along axis 1": (
+                lambda q_way, share: np.abs(np.diff(q_way, axis=0)) / (share * BACKHOE.speed_limit)
             ),
-        ),
+        },
         hints=(
             "np.diff(q_way, axis=0) is how far each joint turns in each segment, with its sign",
             "time = turn / speed, joint by joint; np.max(..., axis=1) picks the slowest joint",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.lessons.exercise import Exercise, Mistake
+from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE
 
 
@@ -48,38 +48,20 @@ READING = (
         reference=arm_mass,
         rtol=1e-4,
         tested_on="boom, stick and bucket",
-        mistakes=(
-            Mistake(
-                "with the house",
-                lambda: arm_mass() + BACKHOE.swing.mass,
-                "that counts the house as well: the arm is boom, stick and bucket",
+        mistakes={
+            "that counts the house as well: the arm is boom, stick and bucket": (
+                lambda: arm_mass() + BACKHOE.swing.mass
             ),
-            Mistake(
-                "whole machine",
-                BACKHOE.mass,
-                "that is the whole machine: the arm is boom, stick and bucket",
+            "that is the whole machine: the arm is boom, stick and bucket": BACKHOE.mass,
+            "the bucket is missing: it is the arm's last link": (
+                BACKHOE.boom.mass + BACKHOE.stick.mass
             ),
-            Mistake(
-                "without the bucket",
-                BACKHOE.boom.mass + BACKHOE.stick.mass,
-                "the bucket is missing: it is the arm's last link",
+            "that is the boom alone: stick and bucket are missing": BACKHOE.boom.mass,
+            "that is in tonnes: the course counts mass in kilograms": lambda: arm_mass() / 1000,
+            "that is the weight in newtons: leave gravity out, the mass is asked for": (
+                lambda: arm_mass() * BACKHOE.gravity
             ),
-            Mistake(
-                "boom alone",
-                BACKHOE.boom.mass,
-                "that is the boom alone: stick and bucket are missing",
-            ),
-            Mistake(
-                "tonnes",
-                lambda: arm_mass() / 1000,
-                "that is in tonnes: the course counts mass in kilograms",
-            ),
-            Mistake(
-                "weight",
-                lambda: arm_mass() * BACKHOE.gravity,
-                "that is the weight in newtons: leave gravity out, the mass is asked for",
-            ),
-        ),
+        },
         hints=(
             "BACKHOE.boom.mass is the mass of the boom; the stick and the bucket have one too",
             "add the three, or write sum(link.mass for link in BACKHOE.links)",
@@ -91,38 +73,26 @@ READING = (
         reference=to_radians,
         cases=lambda rng: [(90.0,), *((rng.uniform(-180, 180, 4),) for _ in range(20))],
         tested_on="one angle and 20 random postures",
-        mistakes=(
-            Mistake(
-                "unchanged",
-                lambda angles_deg: angles_deg,
-                "these are still degrees: half a turn, 180 degrees, should become pi",
+        mistakes={
+            "these are still degrees: half a turn, 180 degrees, should become pi": (
+                lambda angles_deg: angles_deg
             ),
-            Mistake(
-                "the other way",
-                lambda angles_deg: np.degrees(angles_deg),
-                "that is the other way round, from radians to degrees",
+            "that is the other way round, from radians to degrees": (
+                lambda angles_deg: np.degrees(angles_deg)
             ),
-            Mistake(
-                "full turn for half",
-                lambda angles_deg: angles_deg * np.pi / 360,
-                "that is half of it: 2 pi is the full turn of 360 degrees, so pi goes with 180",
+            "that is half of it: 2 pi is the full turn of 360 degrees, so pi goes with 180": (
+                lambda angles_deg: angles_deg * np.pi / 360
             ),
-            Mistake(
-                "short pi",
-                lambda angles_deg: angles_deg * 3.14 / 180,
-                "your pi is cut off at 3.14: np.pi has all its digits",
+            "your pi is cut off at 3.14: np.pi has all its digits": (
+                lambda angles_deg: angles_deg * 3.14 / 180
             ),
-            Mistake(
-                "wrapped",
-                lambda angles_deg: np.radians(angles_deg) % (2 * np.pi),
-                "negative angles have become positive: keep their sign, no turn must be added",
+            "negative angles have become positive: keep their sign, no turn must be added": (
+                lambda angles_deg: np.radians(angles_deg) % (2 * np.pi)
             ),
-            Mistake(
-                "without sign",
-                lambda angles_deg: np.abs(np.radians(angles_deg)),
-                "the sign is lost: an angle to the right stays negative",
+            "the sign is lost: an angle to the right stays negative": (
+                lambda angles_deg: np.abs(np.radians(angles_deg))
             ),
-        ),
+        },
         hints=(
             "half a turn is 180 degrees, and it is pi radians",
             "multiply by np.pi / 180; it works for a whole array at once",
@@ -134,55 +104,33 @@ READING = (
         reference=within_limits,
         cases=_limit_cases,
         tested_on="26 postures inside, outside and on the limits",
-        mistakes=(
-            Mistake(
-                "upper only",
-                lambda q: np.all(q <= BACKHOE.upper),
-                "the lower limits are not looked at",
+        mistakes={
+            "the lower limits are not looked at": lambda q: np.all(q <= BACKHOE.upper),
+            "the upper limits are not looked at": lambda q: np.all(q >= BACKHOE.lower),
+            "one joint within its limits is not enough: all four must be, so np.all": (
+                lambda q: np.any((q >= BACKHOE.lower) & (q <= BACKHOE.upper))
             ),
-            Mistake(
-                "lower only",
-                lambda q: np.all(q >= BACKHOE.lower),
-                "the upper limits are not looked at",
-            ),
-            Mistake(
-                "any",
-                lambda q: np.any((q >= BACKHOE.lower) & (q <= BACKHOE.upper)),
-                "one joint within its limits is not enough: all four must be, so np.all",
-            ),
-            Mistake(
-                "degrees",
+            "it says True to every posture; degrees in it? q and the limits are in radians": (
                 lambda q: np.all(
                     (q >= np.degrees(BACKHOE.lower)) & (q <= np.degrees(BACKHOE.upper))
-                ),
-                "it says True to every posture; degrees in it? q and the limits are in radians",
+                )
             ),
-            Mistake(
-                "never",
-                lambda q: False,
-                "it says False to every posture: does a comparison point the wrong way?",
+            "it says False to every posture: does a comparison point the wrong way?": (
+                lambda q: False
             ),
-            Mistake(
-                "both sides alike",
-                lambda q: np.all(np.abs(q) <= BACKHOE.upper),
-                "the two limits of a joint differ: -50 and 60 degrees for the boom, for instance",
+            "the two limits of a joint differ: -50 and 60 degrees for the boom, for instance": (
+                lambda q: np.all(np.abs(q) <= BACKHOE.upper)
             ),
-            Mistake(
-                "strict",
-                lambda q: np.all((q > BACKHOE.lower) & (q < BACKHOE.upper)),
-                "a joint may stand exactly on its limit: use <= and >=",
+            "a joint may stand exactly on its limit: use <= and >=": (
+                lambda q: np.all((q > BACKHOE.lower) & (q < BACKHOE.upper))
             ),
-            Mistake(
-                "one for each joint",
-                lambda q: (q >= BACKHOE.lower) & (q <= BACKHOE.upper),
-                "that is an answer for each joint: one for the whole arm is asked, so np.all",
+            "that is an answer for each joint: one for the whole arm is asked, so np.all": (
+                lambda q: (q >= BACKHOE.lower) & (q <= BACKHOE.upper)
             ),
-            Mistake(
-                "outside",
-                lambda q: not within_limits(q),
-                "it is the wrong way round: True means that the posture is allowed",
+            "it is the wrong way round: True means that the posture is allowed": (
+                lambda q: not within_limits(q)
             ),
-        ),
+        },
         hints=(
             "BACKHOE.lower and BACKHOE.upper hold four limits: q <= BACKHOE.upper compares all",
             "join the two comparisons with &, each in brackets, and ask np.all of the result",

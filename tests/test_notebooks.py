@@ -6,6 +6,7 @@ pytest itself runs every notebook with nbval and compares what it prints (see py
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import nbformat
@@ -158,3 +159,32 @@ def test_nbval_notices_changed_text_and_passes_over_a_picture_and_a_recording(tm
     results = {int(n): r for r, n in re.findall(r"^(PASSED|FAILED) .*Cell (\d)", done.stdout, re.M)}
     found = {name: results.get(number) for number, name in enumerate(cells)}
     assert found == {name: expected for name, (_, expected) in cells.items()}, done.stdout
+
+
+def _named_in_prose(notebook):
+    """Names of the library in backticks, such as `odometry.integrate` or `backhoe.machine`."""
+    imports = "\n".join(
+        line
+        for cell in notebook.cells
+        if cell.cell_type == "code"
+        for line in cell.source.splitlines()
+        if line.startswith(("from backhoe", "import backhoe"))
+    )
+    known = {"backhoe": import_module("backhoe")}
+    exec(imports, known)
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            for name in re.findall(r"`([a-z_]\w*(?:\.[A-Za-z_]\w*)+)", cell.source):
+                if name.split(".")[0] in known:
+                    yield name, known
+
+
+def test_every_name_of_the_library_that_a_lesson_mentions_is_there(notebook):
+    for name, known in _named_in_prose(notebook):
+        first, *rest = name.split(".")
+        thing = known[first]
+        for part in rest:
+            if not hasattr(thing, part) and hasattr(thing, "__path__"):
+                import_module(f"{thing.__name__}.{part}")
+            assert hasattr(thing, part), f"`{name}` is not in the library"
+            thing = getattr(thing, part)

@@ -2,67 +2,52 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics, kinematics
 from backhoe.lessons.dynamics import printed
-from backhoe.lessons.dynamics.exercises.postures import RADIANS, postures, variant
+from backhoe.lessons.dynamics.exercises.postures import (
+    BODIES,
+    LINKS,
+    NOTHING,
+    RADIANS,
+    postures,
+    variant,
+)
 from backhoe.lessons.exercise import Exercise
-from backhoe.machine import BACKHOE
+from backhoe.machine import BACKHOE, Machine, replace
 from backhoe.machine.variants import loaded
 
-CENTRES = ("swing_com", "boom_com", "stick_com", "bucket_com")
-BODIES = (BACKHOE.swing, *BACKHOE.links)
-FOLDED = BACKHOE.stick.angle_offset + BACKHOE.bucket.com_angle
+SPINS = np.diag([BACKHOE.swing.inertia, *(link.inertia for link in BACKHOE.links)])
+WITHOUT_SPIN = variant(*BODIES, inertia=NOTHING)
+ENDS = replace(
+    variant(*LINKS, com_radius=lambda b: b.length, com_angle=lambda b: b.angle_offset),
+    swing=replace(BACKHOE.swing, com_radius=BACKHOE.swing.offset, com_angle=0.0),
+)
 
 
-def loaded_mass_matrix(q: ArrayLike, load: float) -> NDArray:
+def loaded_mass_matrix(q: ArrayLike, load: float, machine: Machine = BACKHOE) -> NDArray:
     """M(q) with `load` kg at the bucket's centre of mass [kg m^2]."""
-    return dynamics.mass_matrix(q, machine=loaded(load))
+    return dynamics.mass_matrix(q, machine=loaded(load, machine))
 
 
-def _point_load(q: ArrayLike, load: float, frame: str) -> NDArray:
-    Jv = kinematics.jacobian(q, frame)[:3]
-    return load * Jv.T @ Jv
+def _plus_load(q: ArrayLike, load: float, frame: str, rows: int = 3) -> NDArray:
+    J = kinematics.jacobian(q, frame)[:rows]
+    return dynamics.mass_matrix(q) + load * J.T @ J
 
 
-def _spin(q: ArrayLike, load: float) -> NDArray:
-    Jw = kinematics.jacobian(q, "bucket_com")[3:]
-    return load * Jw.T @ Jw
-
-
-def _sum_of_links(
-    q: ArrayLike,
-    load: float,
-    frames: tuple[str, ...] = CENTRES,
-    linear: float = 1.0,
-    angular: float = 1.0,
-    first: int = 0,
-) -> NDArray:
-    M = linear * _point_load(q, load, frames[-1])
-    for body, frame in list(zip(BODIES, frames, strict=True))[first:]:
-        J = kinematics.jacobian(q, frame)
-        M += linear * body.mass * J[:3].T @ J[:3] + angular * body.inertia * J[3:].T @ J[3:]
-    return M
-
-
-def _inertia_on_the_diagonal(q: ArrayLike, load: float) -> NDArray:
-    return _sum_of_links(q, load, angular=0.0) + np.diag([body.inertia for body in BODIES])
-
-
-def _steiner_twice(q: ArrayLike, load: float) -> NDArray:
-    M = _sum_of_links(q, load)
-    for body, frame in zip(BODIES, CENTRES, strict=True):
-        Jw = kinematics.jacobian(q, frame)[3:]
-        M += body.mass * body.com_radius**2 * Jw.T @ Jw
-    return M
+def _of(machine: Machine) -> partial:
+    return partial(loaded_mass_matrix, machine=machine)
 
 
 MASS_MATRIX = Exercise(
     number="2.3",
     title="the inertia matrix with a load in the bucket",
     reference=loaded_mass_matrix,
+    oracle="kinetic_energy",
     cases=lambda rng: list(zip(postures(rng, 100), rng.uniform(100, 1500, 100), strict=True)),
     tested_on="100 random postures and loads",
     hints=(
@@ -74,42 +59,38 @@ MASS_MATRIX = Exercise(
             lambda q, load: dynamics.mass_matrix(q)
         ),
         "the load lies at the bucket's centre of mass, not at its teeth": (
-            lambda q, load: dynamics.mass_matrix(q) + _point_load(q, load, "tip")
+            partial(_plus_load, frame="tip")
         ),
         "the load lies at the bucket's centre of mass, not at the bucket's pin": (
-            lambda q, load: dynamics.mass_matrix(q) + _point_load(q, load, "stick")
+            partial(_plus_load, frame="stick")
         ),
         "the bucket itself weighs something too: add the load to its mass": (
-            lambda q, load: dynamics.mass_matrix(q, variant(bucket={"mass": load}))
+            _of(variant("bucket", mass=NOTHING))
         ),
         "the load is a point: only Jv, the first three rows of the Jacobian, counts for it": (
-            lambda q, load: loaded_mass_matrix(q, load) + _spin(q, load)
+            partial(_plus_load, frame="bucket_com", rows=6)
         ),
         "that is the load's share alone: the arm itself is missing": (
-            lambda q, load: _point_load(q, load, "bucket_com")
+            lambda q, load: loaded_mass_matrix(q, load) - dynamics.mass_matrix(q)
         ),
         "a factor 2: K = dq^T M dq / 2 has the half outside of M": (
             lambda q, load: loaded_mass_matrix(q, load) / 2
         ),
-        "the links also turn: I Jw^T Jw is missing": (
-            lambda q, load: _sum_of_links(q, load, angular=0.0)
-        ),
+        "the links also turn: I Jw^T Jw is missing": _of(WITHOUT_SPIN),
         "the links also travel: m Jv^T Jv is missing": (
-            lambda q, load: _sum_of_links(q, load, linear=0.0)
+            lambda q, load: dynamics.mass_matrix(q, variant(*BODIES, mass=NOTHING))
         ),
-        "those are Jacobians of the links' ends: take the centres of mass, boom_com": (
-            lambda q, load: _sum_of_links(q, load, frames=("swing", "boom", "stick", "tip"))
-        ),
+        "those are Jacobians of the links' ends: take the centres of mass, boom_com": _of(ENDS),
         "the turret turns too: the first body is swing_com": (
-            lambda q, load: _sum_of_links(q, load, first=1)
+            _of(variant("swing", mass=NOTHING, inertia=NOTHING))
         ),
         "the bucket turns with every joint before it: Jw has more than one column": (
-            _inertia_on_the_diagonal
+            lambda q, load: loaded_mass_matrix(q, load, WITHOUT_SPIN) + SPINS
         ),
         "m L_cm^2 counts twice: with Jv of the centre of mass, I is the one about that point": (
-            _steiner_twice
+            _of(variant(*BODIES, inertia=lambda b: b.inertia + b.mass * b.com_radius**2))
         ),
-        (RADIANS): (lambda q, load: loaded_mass_matrix(np.radians(q), load)),
+        RADIANS: lambda q, load: loaded_mass_matrix(np.radians(q), load),
     },
 )
 
@@ -119,22 +100,21 @@ def coriolis_torque(q: ArrayLike, dq: ArrayLike) -> NDArray:
     return dynamics.coriolis_matrix(q, dq) @ np.asarray(dq)
 
 
-def _m_dot(q: ArrayLike, dq: ArrayLike) -> NDArray:
-    return np.einsum("kij,k->ij", dynamics.mass_matrix_derivative(q), dq)
+def _two_terms(q: ArrayLike, dq: ArrayLike, first: float, second: float) -> NDArray:
+    """A multiple of Mdot dq, and one of dq^T (dM/dq_k) dq for k = 1..4."""
+    dM = dynamics.mass_matrix_derivative(q)
+    return first * np.tensordot(dq, dM, 1) @ dq + second * dM @ dq @ dq
 
 
-def _pull(q: ArrayLike, dq: ArrayLike) -> NDArray:
-    return np.einsum("kij,i,j->k", dynamics.mass_matrix_derivative(q), dq, dq)
-
-
-def _squares_only(q: ArrayLike, dq: ArrayLike) -> NDArray:
-    return sum(coriolis_torque(q, dq * unit) for unit in np.eye(4))
+def _terms(first: float, second: float) -> partial:
+    return partial(_two_terms, first=first, second=second)
 
 
 CORIOLIS = Exercise(
     number="2.4",
     title="centrifugal and Coriolis torques",
     reference=coriolis_torque,
+    oracle="lagrange_without_gravity",
     cases=lambda rng: list(zip(postures(rng, 50), rng.uniform(-1, 1, (50, 4)), strict=True)),
     rtol=1e-5,
     atol=1e-2,
@@ -145,23 +125,17 @@ CORIOLIS = Exercise(
     ),
     mistakes={
         "that is 1/2 Mdot dq, as (A.20) prints: the right power, but not the right torques": (
-            lambda q, dq: _m_dot(q, dq) @ dq / 2
+            _terms(1 / 2, 0)
         ),
-        "Mdot dq is the first half: the term -1/2 dq^T (dM/dq_k) dq is missing": (
-            lambda q, dq: _m_dot(q, dq) @ dq
-        ),
-        "the second term has a factor 1/2: it comes from K = dq^T M dq / 2": (
-            lambda q, dq: _m_dot(q, dq) @ dq - _pull(q, dq)
-        ),
+        "Mdot dq is the first half: the term -1/2 dq^T (dM/dq_k) dq is missing": _terms(1, 0),
+        "the second term has a factor 1/2: it comes from K = dq^T M dq / 2": _terms(1, -1),
         "in Mdot the first axis of dM belongs to dq: np.einsum('ikj,i->kj', dM, dq)": (
-            lambda q, dq: _pull(q, dq) / 2
+            _terms(0, 1 / 2)
         ),
-        "the second term is subtracted: Lagrange's equation has - dL/dq": (
-            lambda q, dq: _m_dot(q, dq) @ dq + _pull(q, dq) / 2
-        ),
-        "the sign: C dq stands on the left, beside M ddq": lambda q, dq: -coriolis_torque(q, dq),
+        "the second term is subtracted: Lagrange's equation has - dL/dq": _terms(1, 1 / 2),
+        "the sign: C dq stands on the left, beside M ddq": _terms(-1, 1 / 2),
         "only squares of speeds: the products dq_i dq_j, the Coriolis part, are missing": (
-            _squares_only
+            lambda q, dq: coriolis_torque(q, np.diag(dq)).sum(axis=0)
         ),
         "there is gravity in it: at rest C dq must be zero": (
             lambda q, dq: coriolis_torque(q, dq) + dynamics.gravity_torque(q)
@@ -181,20 +155,15 @@ def m33(q: ArrayLike) -> float:
     return stick.mass * stick.com_radius**2 + bucket.mass * reach + stick.inertia + bucket.inertia
 
 
-def _m33(q: ArrayLike, *, angle: float | None = None, factor: float = 2.0) -> float:
-    stick, bucket = BACKHOE.stick, BACKHOE.bucket
-    angle = q[3] + bucket.com_angle if angle is None else angle
-    cross = stick.length * bucket.com_radius * np.cos(angle)
-    difference = factor * cross - 2 * stick.length * bucket.com_radius * np.cos(
-        q[3] + bucket.com_angle
-    )
-    return m33(q) + bucket.mass * difference
+def _bent(q: ArrayLike, more: float) -> float:
+    return m33(q + np.array([0.0, 0.0, 0.0, more]))
 
 
 REPAIR = Exercise(
     number="2.6",
     title="repair the printed M33",
     reference=m33,
+    oracle="inertia_about_the_stick_joint",
     cases=lambda rng: [(q,) for q in postures(rng, 100)],
     tested_on="100 random postures",
     hints=(
@@ -206,19 +175,19 @@ REPAIR = Exercise(
             lambda q: printed.mass_matrix(q)[2, 2]
         ),
         "the angle is nearly right: the centre of mass lies at q4cm, the teeth at q4*": (
-            lambda q: _m33(q, angle=q[3] + BACKHOE.bucket.angle_offset)
+            lambda q: _bent(q, BACKHOE.bucket.angle_offset - BACKHOE.bucket.com_angle)
         ),
         "q4 is not yet the angle between the links: add the offset of the centre of mass": (
-            lambda q: _m33(q, angle=q[3])
+            lambda q: _bent(q, -BACKHOE.bucket.com_angle)
         ),
         "the stick's own angle is still in it: turning both together changes nothing": (
-            lambda q: _m33(q, angle=q[2] + q[3] + FOLDED)
+            lambda q: _bent(q, q[2] + BACKHOE.stick.angle_offset)
         ),
         "the cross term of a square has a factor 2; without it you have the term of M34": (
-            lambda q: _m33(q, factor=1.0)
+            lambda q: (3 * m33(q) + _bent(q, np.pi)) / 4
         ),
         "the sign of the cross term: a stretched arm (cos = 1) has the largest inertia": (
-            lambda q: _m33(q, factor=-2.0)
+            lambda q: _bent(q, np.pi)
         ),
         "the links' own inertias I_s and I_bu are missing": (
             lambda q: m33(q) - BACKHOE.stick.inertia - BACKHOE.bucket.inertia
@@ -226,6 +195,6 @@ REPAIR = Exercise(
         "the bucket turns with the stick's joint too: I_bu is missing": (
             lambda q: m33(q) - BACKHOE.bucket.inertia
         ),
-        (RADIANS): (lambda q: m33(np.radians(q))),
+        RADIANS: lambda q: m33(np.radians(q)),
     },
 )

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.machine import BACKHOE, Machine, replace
 
 RADIANS = "the angles come in radians already: do not convert them again"
+LINKS = ("boom", "stick", "bucket")
+BODIES = ("swing", *LINKS)
+NOTHING = 1e-12  # a mass or an inertia that nothing feels
 
 
 def postures(rng: np.random.Generator, count: int) -> NDArray:
@@ -15,8 +20,10 @@ def postures(rng: np.random.Generator, count: int) -> NDArray:
     return rng.uniform(BACKHOE.lower, BACKHOE.upper, (count, 4))
 
 
-def variant(machine: Machine = BACKHOE, **changes: dict) -> Machine:
-    """A variant with some numbers of some links changed: boom={"mass": 1.0}."""
-    return replace(
-        machine, **{name: replace(getattr(machine, name), **new) for name, new in changes.items()}
-    )
+def variant(*names: str, **changes: float | Callable) -> Machine:
+    """The machine with some numbers of the named bodies changed, to a number or one of the body."""
+
+    def changed(body: object) -> object:
+        return replace(body, **{k: v(body) if callable(v) else v for k, v in changes.items()})
+
+    return replace(BACKHOE, **{name: changed(getattr(BACKHOE, name)) for name in names})

@@ -10,11 +10,10 @@ from backhoe.lessons import published
 from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE, variants
 
-
-def reading() -> NDArray:
-    """Offsets of stick, its centre of mass, bucket, its centre of mass [deg]."""
-    stick, bucket = BACKHOE.stick, BACKHOE.bucket
-    return np.degrees([stick.angle_offset, stick.com_angle, bucket.angle_offset, bucket.com_angle])
+OFFSETS = np.degrees(
+    [turn for link in BACKHOE.links[1:] for turn in (link.angle_offset, link.com_angle)]
+)
+"""Where stick, its centre of mass, bucket and its centre of mass point at q = 0 [deg]."""
 
 
 def same_directions(answer: ArrayLike, reference: ArrayLike) -> bool | str:
@@ -25,7 +24,7 @@ def same_directions(answer: ArrayLike, reference: ArrayLike) -> bool | str:
     miss = np.abs((answer - reference + 180) % 360 - 180)
     if (miss < 0.05).all():
         return True
-    if miss[0] < 0.05 and miss[1] < 0.05 and miss[3] < 0.05:
+    if (miss[[0, 1, 3]] < 0.05).all():
         return "three are right; gravity cannot see where the teeth are: use the third clue for q4*"
     if (miss < 1).all():
         return "nearly: take the angles of Table A.2 to a tenth of a degree"
@@ -45,7 +44,8 @@ def _torque_miss(offsets: NDArray) -> float:
 READING = Exercise(
     number="2.7",
     title="which way do stick and bucket hang?",
-    reference=reading,
+    reference=OFFSETS,
+    oracle="three_clues",
     compare=same_directions,
     tested_on="tau_0 and the shape of the links",
     hints=(
@@ -72,6 +72,6 @@ READING = Exercise(
         "minus pi/2 and minus theta together fold the stick back along the boom": (
             np.array([-178.1, -176.2, -194.1, -168.6])
         ),
-        "right in radians: give degrees here": lambda: np.radians(reading()),
+        "right in radians: give degrees here": np.radians(OFFSETS),
     },
 )

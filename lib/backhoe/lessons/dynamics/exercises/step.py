@@ -19,40 +19,31 @@ def semi_implicit_step(q: ArrayLike, dq: ArrayLike, tau: ArrayLike, dt: float) -
 
 
 def _step_cases(rng: np.random.Generator) -> list[tuple]:
-    return [
-        (q, dq, tau, dt)
-        for q, dq, tau, dt in zip(
-            postures(rng, 30),
-            rng.uniform(-1, 1, (30, 4)),
-            rng.uniform(-1, 1, (30, 4)) * BACKHOE.torque_limit,
-            rng.uniform(0.005, 0.05, 30),
-            strict=True,
-        )
-    ]
+    dq, share = rng.uniform(-1, 1, (2, 30, 4))
+    tau = share * BACKHOE.torque_limit
+    return list(zip(postures(rng, 30), dq, tau, rng.uniform(0.005, 0.05, 30), strict=True))
 
 
-def _explicit_step(q: ArrayLike, dq: ArrayLike, tau: ArrayLike, dt: float) -> NDArray:
-    return np.array([q + dt * dq, semi_implicit_step(q, dq, tau, dt)[1]])
+def _moved_by(old: float, new: float) -> object:
+    """The step whose angle moves with these shares of the old and the new speed, times dt."""
+
+    def step(q: ArrayLike, dq: ArrayLike, tau: ArrayLike, dt: float) -> NDArray:
+        dq_new = semi_implicit_step(q, dq, tau, dt)[1]
+        return np.array([q + dt * (old * dq + new * dq_new), dq_new])
+
+    return step
 
 
 def _position_first(q: ArrayLike, dq: ArrayLike, tau: ArrayLike, dt: float) -> NDArray:
     q_new = q + dt * dq
-    return np.array([q_new, dq + dt * dynamics.forward_dynamics(q_new, dq, tau)])
-
-
-def _taylor_step(q: ArrayLike, dq: ArrayLike, tau: ArrayLike, dt: float) -> NDArray:
-    dq_new = semi_implicit_step(q, dq, tau, dt)[1]
-    return np.array([q + dt * (dq + dq_new) / 2, dq_new])
-
-
-def _without_gravity(q: ArrayLike, dq: ArrayLike, tau: ArrayLike, dt: float) -> NDArray:
-    return semi_implicit_step(q, dq, tau + dynamics.gravity_torque(q), dt)
+    return np.array([q_new, semi_implicit_step(q_new, dq, tau, dt)[1]])
 
 
 STEP = Exercise(
     number="2.8",
     title="one step of semi-implicit Euler",
     reference=semi_implicit_step,
+    oracle="speed_first_by_inverse_dynamics",
     cases=_step_cases,
     tested_on="30 random states and steps",
     hints=(
@@ -60,17 +51,15 @@ STEP = Exercise(
         "ddq = dynamics.forward_dynamics(q, dq, tau); return np.array([q_new, dq_new])",
     ),
     mistakes={
-        "that is explicit Euler: the new angle must use the new speed": _explicit_step,
+        "that is explicit Euler: the new angle must use the new speed": _moved_by(1, 0),
         "that is the other semi-implicit Euler, angle first: here the speed goes first": (
             _position_first
         ),
         "the angle moves with the new speed alone, not with the mean of old and new": (
-            _taylor_step
+            _moved_by(1 / 2, 1 / 2)
         ),
         "the angle needs the step as well: q + dt * dq_new": (
-            lambda q, dq, tau, dt: np.array(
-                [q + semi_implicit_step(q, dq, tau, dt)[1], semi_implicit_step(q, dq, tau, dt)[1]]
-            )
+            lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, dt)[[1, 1]] + np.array([q, 0 * q])
         ),
         "the order: return the angles first, then the speeds": (
             lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, dt)[::-1]
@@ -79,7 +68,7 @@ STEP = Exercise(
             lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, -dt)
         ),
         "gravity is missing from the acceleration: use forward_dynamics, which has it": (
-            _without_gravity
+            lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau + dynamics.gravity_torque(q), dt)
         ),
     },
 )

@@ -3,10 +3,6 @@
 import numpy as np
 import pytest
 
-from backhoe.lessons import published
-from backhoe.lessons.ekf import printed_filter
-from backhoe.lessons.ekf.printed import H_IMU_427, H_ODOM_426
-from backhoe.lessons.ekf.printed_scores import rmse_algorithm_2
 from backhoe.localisation import drives, fusion, kalman, odometry
 from backhoe.localisation.drives import NOISE
 from backhoe.localisation.fusion import Model
@@ -390,83 +386,6 @@ def test_what_is_seen_must_be_known_sensors(seen):
         fusion.hidden("g", seen)
 
 
-# The thesis's filter and its ancestor
-
-
-@pytest.mark.parametrize("name", SCENARIOS)
-def test_the_printed_filter_claims_far_more_than_it_knows(trials, name):
-    trial = trials(name, printed_filter.as_printed)
-    assert trial.mean_nees > 3 * trial.band[1]
-    assert trial.inside < 0.05
-    slipping = trials(name, printed_filter.as_printed, drives.SLIPPING)
-    assert slipping.mean_nees > 1000
-
-
-def test_the_printed_filter_stops_growing_uncertain(trials):
-    trial = trials("circle", printed_filter.as_printed)
-    sigma = trial.sigma_xy
-    assert np.ptp(sigma[len(sigma) // 10 :]) < 1e-6
-    assert trial.scatter_xy[-1] > 10 * sigma[-1]
-
-
-@pytest.mark.parametrize("turning", [1.0, drives.SLIPPING])
-@pytest.mark.parametrize("name", SCENARIOS)
-def test_the_printed_filter_cannot_gain_in_x_and_y_what_the_tables_print(trials, name, turning):
-    reckoned = trials(name, fusion.dead_reckoning, turning)
-    printed = trials(name, printed_filter.as_printed, turning)
-    gain = fusion.improvement(reckoned.rmse[:2], printed.rmse[:2])
-    least = min(
-        published.load(f"mastalli_2013_table_4{k}")["improvement_percent"][axis]
-        for k in (1, 2, 3)
-        for axis in "xy"
-    )
-    assert (gain.ratio_percent < 105).all() and least > 150
-
-
-def test_424_with_speeds_and_without_ts_overshoots_the_odometry(trials):
-    still = trials("rectangle", printed_filter.as_printed)
-    moving = trials("rectangle", printed_filter.as_printed, motion="printed")
-    assert (moving.rmse[:2] > 10 * still.rmse[:2]).all()
-
-
-def test_z_roll_and_pitch_of_the_printed_filter_touch_nothing_else(drive):
-    estimate = printed_filter.as_printed(drive)
-    np.testing.assert_array_equal(estimate.state[..., 2:5], 0.0)
-
-
-def test_the_zero_rows_of_426_and_427_say_nothing_as_long_as_r_is_positive():
-    P = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
-    x, z = RNG.normal(size=6), RNG.normal(size=6)
-    for H in (H_ODOM_426, H_IMU_427):
-        rows = np.flatnonzero(H.any(axis=1))
-        whole = kalman.information_update(x, P, H @ z, H, np.eye(6))
-        selected = kalman.information_update(x, P, z[rows], H[rows], np.eye(len(rows)))
-        np.testing.assert_allclose(whole[0], selected[0])
-        np.testing.assert_allclose(whole[1], selected[1])
-
-
-def test_the_ancestor_follows_odometry_but_for_the_heading_that_it_averages():
-    silent = drives.Noise(0, 0, 0, 0, 0)
-    slipping = drives.record("g", turning=0.75, noise=silent)
-    estimate = printed_filter.as_ancestor(slipping)
-    half_way = (1 / 0.75 + 1) / 2
-    assert estimate.pose[-1, 2] / slipping.truth[-1, 2] == pytest.approx(half_way, rel=0.01)
-
-
-def test_the_ancestor_never_doubts_a_millimetre_however_far_it_goes(trials):
-    trial = trials("circle", printed_filter.as_ancestor)
-    assert np.ptp(trial.sigma_xy[100:]) < 0.005
-    assert trial.sigma_xy[-1] < 0.01 < 1.0 < trial.scatter_xy[-1]
-    assert trial.mean_nees > 1000
-
-
-def test_settings_of_the_printed_filters_are_checked(drive):
-    with pytest.raises(ValueError, match="motion must be one of still, printed"):
-        printed_filter.as_printed(drive, motion="fast")
-    with pytest.raises(ValueError, match="R_imu must be a positive variance"):
-        printed_filter.as_ancestor(drive, R_imu=0.0)
-
-
 # Monte Carlo
 
 
@@ -516,20 +435,6 @@ def test_rmse_wraps_angles_only_where_told():
     assert wrapped[0] == pytest.approx(0.2) and plain[0] == pytest.approx(2 * np.pi - 0.2)
 
 
-def test_algorithm_2_as_printed_divides_by_one_too_few_and_does_not_wrap():
-    time, zeros = np.arange(11.0), np.zeros(11)
-    assert rmse_algorithm_2(time, time, zeros, zeros + 1, 1.0) == pytest.approx(np.sqrt(11 / 10))
-    right = fusion.rmse(time, zeros[:, None], time, zeros[:, None] + 1, period=1.0)
-    assert right[0] == pytest.approx(1.0)
-    turned = rmse_algorithm_2(time, time, zeros, zeros + 2 * np.pi, 1.0)
-    assert turned > 6
-
-
-def test_algorithm_2_with_errors_that_begin_at_zero_sees_no_sample_at_all():
-    time, zeros = np.arange(11.0), np.zeros(11)
-    assert rmse_algorithm_2(time, time, zeros, zeros + 1, 1.0, initial=0.0) == 0.0
-
-
 def test_a_trials_rmse_is_that_of_its_errors(trials):
     trial = trials("rectangle", fusion.honest, heading="yaw")
     plain = np.sqrt(np.mean(trial.error**2, axis=(0, 1)))
@@ -554,34 +459,6 @@ def test_rmse_refuses_signals_that_do_not_match(change, message):
     period = given.pop("period", 0.05)
     with pytest.raises(ValueError, match=message):
         fusion.rmse(*given.values(), period=period)
-
-
-@pytest.mark.parametrize("number", [1, 2, 3])
-def test_the_printed_improvement_is_a_ratio_and_not_a_reduction(number):
-    table = published.load(f"mastalli_2013_table_4{number}")
-    axes = ("x", "y", "omega")
-    reckoned, filtered, printed = (
-        np.array([table[row][axis] for axis in axes])
-        for row in ("rmse_odometry", "rmse_ekf", "improvement_percent")
-    )
-    gain = fusion.improvement(reckoned, filtered)
-    agrees = np.abs(gain.ratio_percent - printed) < 0.0001 * printed
-    assert agrees.tolist() == [True, number != 2, True]
-    assert (gain.reduction_percent < 100).all()
-    assert (np.abs(gain.reduction_percent - printed) > 50).all()
-
-
-def test_table_42_prints_412_27_where_its_rows_give_412_73():
-    table = published.load("mastalli_2013_table_42")
-    gain = fusion.improvement(table["rmse_odometry"]["y"], table["rmse_ekf"]["y"])
-    assert round(float(gain.ratio_percent), 2) == 412.73
-    assert table["improvement_percent"]["y"] == 412.27
-    assert float(gain.reduction_percent) == pytest.approx(75.8, abs=0.05)
-
-
-def test_the_printed_rmse_of_the_filter_do_not_stay_constant_in_heading():
-    headings = [published.load(f"mastalli_2013_table_4{k}")["rmse_ekf"]["omega"] for k in (1, 2, 3)]
-    assert max(headings) > 30 * min(headings)
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,9 @@ import pytest
 from scipy import integrate, stats
 from scipy.linalg import expm
 
+from backhoe.lessons import published
 from backhoe.lessons.ekf import printed
-from backhoe.localisation import imu, kalman
+from backhoe.localisation import fusion, imu, kalman
 
 N = 3
 
@@ -202,6 +203,50 @@ def test_426_and_427_select_and_only_a_noise_in_empty_rows_makes_s_regular():
             full[:, rows], kalman.gain(P, H[rows], 0.02 * np.eye(3)), atol=1e-15
         )
         assert not np.delete(full, rows, axis=1).any()
+
+
+def test_algorithm_2_as_printed_divides_by_one_too_few_and_does_not_wrap():
+    time, zeros = np.arange(11.0), np.zeros(11)
+    assert printed.rmse_algorithm_2(time, time, zeros, zeros + 1, 1.0) == pytest.approx(
+        np.sqrt(11 / 10)
+    )
+    right = fusion.rmse(time, zeros[:, None], time, zeros[:, None] + 1, period=1.0)
+    assert right[0] == pytest.approx(1.0)
+    turned = printed.rmse_algorithm_2(time, time, zeros, zeros + 2 * np.pi, 1.0)
+    assert turned > 6
+
+
+def test_algorithm_2_with_errors_that_begin_at_zero_sees_no_sample_at_all():
+    time, zeros = np.arange(11.0), np.zeros(11)
+    assert printed.rmse_algorithm_2(time, time, zeros, zeros + 1, 1.0, initial=0.0) == 0.0
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_the_printed_improvement_is_a_ratio_and_not_a_reduction(number):
+    table = published.load(f"mastalli_2013_table_4{number}")
+    axes = ("x", "y", "omega")
+    reckoned, filtered, printed = (
+        np.array([table[row][axis] for axis in axes])
+        for row in ("rmse_odometry", "rmse_ekf", "improvement_percent")
+    )
+    gain = fusion.improvement(reckoned, filtered)
+    agrees = np.abs(gain.ratio_percent - printed) < 0.0001 * printed
+    assert agrees.tolist() == [True, number != 2, True]
+    assert (gain.reduction_percent < 100).all()
+    assert (np.abs(gain.reduction_percent - printed) > 50).all()
+
+
+def test_table_42_prints_412_27_where_its_rows_give_412_73():
+    table = published.load("mastalli_2013_table_42")
+    gain = fusion.improvement(table["rmse_odometry"]["y"], table["rmse_ekf"]["y"])
+    assert round(float(gain.ratio_percent), 2) == 412.73
+    assert table["improvement_percent"]["y"] == 412.27
+    assert float(gain.reduction_percent) == pytest.approx(75.8, abs=0.05)
+
+
+def test_the_printed_rmse_of_the_filter_do_not_stay_constant_in_heading():
+    headings = [published.load(f"mastalli_2013_table_4{k}")["rmse_ekf"]["omega"] for k in (1, 2, 3)]
+    assert max(headings) > 30 * min(headings)
 
 
 def _spd(rng, n):

@@ -1,13 +1,18 @@
 """Formulas of Mastalli 2013, chapter 4, exactly as printed. Not for use.
 
-Lesson 07 tests them; `kalman` and `imu` in `backhoe.localisation` have what they should be. (4.26)
-and (4.27) are here beside the wrong ones because the thesis's filter needs all four.
+Lesson 07 tests them; `kalman`, `imu` and `fusion.rmse` in `backhoe.localisation` have what they
+should be. (4.26) and (4.27) are here beside the wrong ones because the thesis's filter needs all
+four; Algorithm 2 is printed but for what keeps it from running.
 """
 
 from __future__ import annotations
 
+from math import ceil, inf, sqrt
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import numbers, times
 
 __all__ = [
     "H_IMU_427",
@@ -20,6 +25,7 @@ __all__ = [
     "motion_424",
     "posterior_46",
     "predict_47",
+    "rmse_algorithm_2",
     "transition_421",
 ]
 
@@ -36,18 +42,17 @@ def posterior_46(transition: ArrayLike, likelihood: ArrayLike, joint: ArrayLike)
     The sum over x_k-1 leaves nothing of it on the right, though the left still has it.
 
     Args:
-        transition: element [i, j] is P(x_k = i | x_k-1 = j), shape (n, n).
-        likelihood: P(z_k | x_k), shape (n,).
-        joint: P(x_1:k-1 | z_1:k-1), shape (n,) * (k-1), one axis for each instant.
+        transition: element i, j is P(x_k = i | x_k-1 = j), shape (n, n) [1].
+        likelihood: P(z_k | x_k), shape (n,) [1].
+        joint: P(x_1:k-1 | z_1:k-1), shape (n,) * (k-1), one axis for each instant [1].
 
     Returns:
-        Shape (n,) * k.
+        Shape (n,) * k [1].
     """
-    likelihood, predicted = np.asarray(likelihood), predict_47(transition, joint)
-    evidence = (likelihood * predicted).sum()
-    posterior = (likelihood * predicted / evidence)[..., None, :]
-    n = len(likelihood)
-    return np.broadcast_to(posterior, (*predicted.shape[:-1], n, n))
+    predicted = predict_47(transition, joint)
+    product = numbers(likelihood, "likelihood", ("n",)) * predicted
+    posterior = (product / product.sum())[..., None, :]
+    return np.broadcast_to(posterior, (*predicted.shape, predicted.shape[-1]))
 
 
 def predict_47(transition: ArrayLike, joint: ArrayLike) -> NDArray:
@@ -57,22 +62,22 @@ def predict_47(transition: ArrayLike, joint: ArrayLike) -> NDArray:
         transition, joint: as for `posterior_46`.
 
     Returns:
-        Shape (n,) * (k-1): over x_1:k-2 and x_k.
+        Shape (n,) * (k-1): over x_1:k-2 and x_k [1].
     """
-    return np.asarray(joint) @ np.asarray(transition).T
+    return numbers(joint, "joint") @ numbers(transition, "transition", ("n", "n")).T
 
 
 def correct_47(likelihood: ArrayLike, predicted: ArrayLike, instants: int) -> NDArray:
     """Second line of (4.7), meant as P(x_1:k | z_1:k), with P(x_k | z_1:k-1) on the right.
 
     Args:
-        likelihood, predicted: shape (n,).
+        likelihood, predicted: shape (n,) [1].
         instants: k.
 
     Returns:
-        Shape (n,) * k.
+        Shape (n,) * k [1].
     """
-    product = np.asarray(likelihood) * np.asarray(predicted)
+    product = numbers(likelihood, "likelihood", ("n",)) * numbers(predicted, "predicted", ("n",))
     return np.broadcast_to(product / product.sum(), (len(product),) * instants)
 
 
@@ -84,25 +89,29 @@ def error_418(
     x_k|k-1 has no hat there and so is the state itself, as x_k|k is.
 
     Args:
-        truth: x_k, shape (n,).
-        prior: xhat_k|k-1, shape (n,).
-        z, K, H: shapes (m,), (n, m), (m, n).
+        truth: x_k, shape (n,) [its own units].
+        prior: xhat_k|k-1, shape (n,) [as truth].
+        z, K, H: shapes (m,), (n, m), (m, n) [the sensor's own units].
 
     Returns:
-        Shape (n,).
+        Shape (n,) [as truth].
     """
-    truth, prior, K, H = (np.asarray(value) for value in (truth, prior, K, H))
-    return truth - truth - K @ (np.asarray(z) - H @ prior)
+    truth, K = numbers(truth, "truth", ("n",)), numbers(K, "K", ("n", "m"))
+    expected = numbers(H, "H", ("m", "n")) @ numbers(prior, "prior", truth.shape)
+    return truth - truth - K @ (numbers(z, "z", ("m",)) - expected)
 
 
 def density_footnote_5(x: ArrayLike, mean: ArrayLike, covariance: ArrayLike) -> float:
     """Footnote 5: a normal density whose exponent lacks its 1/2.
 
     Args:
-        x, mean: shape (k,).
-        covariance: shape (k, k).
+        x, mean: shape (k,) [their own units].
+        covariance: shape (k, k) [their squares].
+
+    Returns:
+        The density, of no use as one: it integrates to 2^(-k/2).
     """
-    e, P = np.subtract(x, mean), np.asarray(covariance)
+    e, P = numbers(x, "x", ("k",)) - numbers(mean, "mean"), numbers(covariance, "covariance")
     scale = (2 * np.pi) ** (-len(e) / 2) * np.linalg.det(P) ** -0.5
     return float(scale * np.exp(-e @ np.linalg.solve(P, e)))
 
@@ -114,9 +123,9 @@ def transition_421(A: ArrayLike) -> NDArray:
         A: df/dx of dx/dt = f, shape (n, n) [1/s].
 
     Returns:
-        A itself.
+        A itself [1/s], where F has no unit.
     """
-    return np.array(A, dtype=float)
+    return numbers(A, "A", ("n", "n")).copy()
 
 
 def attitude_422(a: ArrayLike) -> NDArray:
@@ -128,7 +137,7 @@ def attitude_422(a: ArrayLike) -> NDArray:
     Returns:
         What it calls phi and theta, shape (..., 2) [rad].
     """
-    x, y, z = np.moveaxis(np.asarray(a, float), -1, 0)
+    x, y, z = np.moveaxis(numbers(a, "a", (..., 3)), -1, 0)
     phi = np.arctan(x / np.sqrt(y**2 + z**2))
     theta = np.arctan(y / np.sqrt(x**2 + z**2))
     return np.stack([phi, theta], axis=-1)
@@ -144,7 +153,7 @@ def motion_424(x: ArrayLike, speed: ArrayLike, omega: ArrayLike, T_s: float) -> 
         T_s: time of a cycle [s].
 
     Returns:
-        Shape (..., 6).
+        Shape (..., 6) [m, rad].
     """
     x = np.asarray(x, float)
     heading = x[..., 5] + np.asarray(omega) * T_s
@@ -162,7 +171,7 @@ def jacobian_425(x: ArrayLike, speed: ArrayLike, omega: ArrayLike, T_s: float) -
         x, speed, omega, T_s: as for `motion_424`.
 
     Returns:
-        Shape (..., 6, 6).
+        Shape (..., 6, 6) [1, m/rad].
     """
     x = np.asarray(x, float)
     heading = x[..., 5] + np.asarray(omega) * T_s / 2
@@ -171,3 +180,41 @@ def jacobian_425(x: ArrayLike, speed: ArrayLike, omega: ArrayLike, T_s: float) -
     F[..., 0, 5] = -speed * np.sin(heading)
     F[..., 1, 5] = speed * np.cos(heading)
     return F
+
+
+def rmse_algorithm_2(
+    t_x: ArrayLike,
+    t_y: ArrayLike,
+    x: ArrayLike,
+    x_e: ArrayLike,
+    t_s: float,
+    initial: float = inf,
+) -> float:
+    """Root mean square error of one signal, both read at the sample nearest to i t_s.
+
+    As printed, the errors e_x and e_y are compared before they have a value (here they begin at
+    `initial`; with 0 nothing is ever nearer), the inner loops begin one element past the end
+    (here at the last one), ceil + 1 terms are summed and divided by ceil, and nothing is wrapped.
+
+    Args:
+        t_x, x: of the signal, shape (n,) each [s, its own unit].
+        t_y, x_e: of the estimate, shape (m,) each [s, as x].
+        t_s: of the grid [s].
+        initial: what e_x and e_y hold at first [s].
+
+    Returns:
+        The error in the signal's unit.
+    """
+    t_x, t_y = times(t_x, "t_x"), times(t_y, "t_y")
+    x, x_e = numbers(x, "x", t_x.shape), numbers(x_e, "x_e", t_y.shape)
+    terms = ceil(t_x[-1] / t_s)
+
+    def on_grid(t: NDArray, values: NDArray) -> NDArray:
+        read, nearest = np.zeros(terms + 1), np.full(terms + 1, initial)
+        for i in range(terms + 1):
+            for j in range(len(t) - 1, -1, -1):
+                if abs(t[j] - i * t_s) < nearest[i]:
+                    nearest[i], read[i] = abs(t[j] - i * t_s), values[j]
+        return read
+
+    return sqrt(np.sum((on_grid(t_x, x) - on_grid(t_y, x_e)) ** 2) / terms)

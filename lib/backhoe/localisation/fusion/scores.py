@@ -1,7 +1,7 @@
 """How far off an estimate is: the root mean square error of signals of different rates.
 
 Source: Mastalli 2013, Algorithm 2, corrected: errors start at infinity, every grid point counts
-once, and differences of angles are wrapped. `backhoe.lessons.ekf.printed_scores` has it as printed.
+once, and differences of angles are wrapped. `backhoe.lessons.ekf.printed` has it as printed.
 """
 
 from __future__ import annotations

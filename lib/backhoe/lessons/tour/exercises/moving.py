@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
 from backhoe.lessons.exercise import Exercise
-from backhoe.lessons.tour.exercises.reading import random_postures
 from backhoe.machine import BACKHOE
 
 
@@ -62,23 +62,37 @@ def _load_cases(rng: np.random.Generator) -> list[tuple[float, float, float]]:
     return [(6.0, 0.5, 1.0), *(tuple(map(float, rng.uniform(low, high))) for _ in range(20))]
 
 
-def _travel(q: ArrayLike, measure, turn: float = math.radians(1.0), frame: str = "tip") -> NDArray:
-    """`measure` of the displacement that each joint's `turn` gives the origin of `frame`."""
-    before = kinematics.forward_kinematics(q, frame)[:3, 3]
-    turned = np.asarray(q) + turn * np.eye(4)
-    return np.array(
-        [measure(p - before) for p in kinematics.forward_kinematics(turned, frame)[:, :3, 3]]
-    )
+def _way_cases(rng: np.random.Generator) -> list[tuple[NDArray, float]]:
+    shares = rng.uniform(0.2, 0.9, 20)
+    return [(rng.uniform(BACKHOE.lower, BACKHOE.upper, (6, 4)), float(share)) for share in shares]
 
 
-def _all_turned(q: ArrayLike) -> NDArray:
-    turned = np.asarray(q) + math.radians(1.0) * np.tri(5, 4, -1)
-    points = kinematics.forward_kinematics(turned)[:, :3, 3]
-    return np.linalg.norm(points[1:] - points[0], axis=1)
+def _travel(
+    measure: Callable = np.linalg.norm,
+    turn: float = math.radians(1.0),
+    frame: str = "tip",
+    joints: Callable[[int], NDArray] = np.eye,
+) -> Callable[[NDArray], NDArray]:
+    """`measure` of how the origin of `frame` moves, for each row of joints that turn."""
+
+    def travel(q: NDArray) -> NDArray:
+        postures = [q, *(q + turn * joints(4))]
+        before, *after = kinematics.forward_kinematics(postures, frame)[:, :3, 3]
+        return np.array([measure(place - before) for place in after])
+
+    return travel
 
 
-def _times(q_way: ArrayLike, share: float, over_joints=np.max, size=np.abs) -> NDArray:
-    return over_joints(size(np.diff(q_way, axis=0)) / (share * BACKHOE.speed_limit), axis=1)
+def _loads(rounded: Callable, brought: Callable = lambda bucket, fill: bucket * fill) -> Callable:
+    return lambda truck, bucket, fill: rounded(truck / brought(bucket, fill))
+
+
+def _times(
+    longest: Callable = np.max,
+    size: Callable = np.abs,
+    speed: Callable = lambda share: share * BACKHOE.speed_limit,
+) -> Callable[[NDArray, float], NDArray]:
+    return lambda q_way, share: longest(size(np.diff(q_way, axis=0)) / speed(share), axis=1)
 
 
 MOVING = (
@@ -86,32 +100,33 @@ MOVING = (
         number="0.4",
         title="Which joint moves the teeth most?",
         reference=tip_travel,
-        cases=lambda rng: [(q,) for q in random_postures(rng, 20)],
+        oracle="chord_about_each_joint",
+        cases=lambda rng: [(q,) for q in rng.uniform(BACKHOE.lower, BACKHOE.upper, (20, 4))],
         rtol=1e-3,
         atol=1e-5,
         tested_on="20 random postures",
         mistakes={
-            "you turn each joint by one radian: one degree is np.radians(1.0)": (
-                lambda q: _travel(q, np.linalg.norm, turn=1.0)
-            ),
+            "you turn each joint by one radian: one degree is np.radians(1.0)": _travel(turn=1.0),
             "that is the change of height alone: the distance has x and y in it as well": (
-                lambda q: _travel(q, lambda d: abs(d[2]))
+                _travel(lambda d: abs(d[2]))
             ),
             "that is what one sees from above: the height z belongs to the distance as well": (
-                lambda q: _travel(q, lambda d: np.linalg.norm(d[:2]))
+                _travel(lambda d: np.linalg.norm(d[:2]))
             ),
             "that is the stick's tip, where the bucket hangs: the teeth are the frame 'tip'": (
-                lambda q: _travel(q, np.linalg.norm, frame="stick")
+                _travel(frame="stick")
             ),
-            "the joints before are still turned: start from q again for each joint": _all_turned,
+            "the joints before are still turned: start from q again for each joint": (
+                _travel(joints=np.tri)
+            ),
             "that is the square of the distance: take the root, or np.linalg.norm": (
-                lambda q: _travel(q, lambda d: d @ d)
+                _travel(lambda d: d @ d)
             ),
             "distances along x, y and z do not just add up: take np.linalg.norm": (
-                lambda q: _travel(q, lambda d: np.abs(d).sum())
+                _travel(lambda d: np.abs(d).sum())
             ),
             "those are the displacements: one distance for each joint is asked, four numbers": (
-                lambda q: _travel(q, lambda d: d)
+                _travel(lambda d: d)
             ),
         },
         hints=(
@@ -124,32 +139,25 @@ MOVING = (
         number="0.5",
         title="How many buckets fill the truck?",
         reference=loads,
+        oracle="enough_and_not_one_more",
         cases=_load_cases,
         tested_on="21 trucks and buckets",
         mistakes={
             "the truck is not quite full: round up, the last bucket may be a small one": (
-                lambda truck_volume, bucket_volume, fill: int(truck_volume / (bucket_volume * fill))
+                _loads(int)
             ),
             "a machine cannot dig part of a time: a whole number is asked, rounded up": (
-                lambda truck_volume, bucket_volume, fill: truck_volume / (bucket_volume * fill)
+                _loads(float)
             ),
-            "rounding to the nearest leaves some trucks not full: always round up": (
-                lambda truck_volume, bucket_volume, fill: round(
-                    truck_volume / (bucket_volume * fill)
-                )
-            ),
+            "rounding to the nearest leaves some trucks not full: always round up": _loads(round),
             "you count on full buckets: a dig brings in bucket_volume * fill": (
-                lambda truck_volume, bucket_volume, fill: math.ceil(truck_volume / bucket_volume)
+                _loads(math.ceil, lambda bucket, fill: bucket)
             ),
             "fill is on the wrong side: emptier buckets mean more of them, not fewer": (
-                lambda truck_volume, bucket_volume, fill: math.ceil(
-                    truck_volume / bucket_volume * fill
-                )
+                _loads(math.ceil, lambda bucket, fill: bucket / fill)
             ),
             "one too many when it comes out even: 6 m^3 are 12 buckets of 0.5 m^3": (
-                lambda truck_volume, bucket_volume, fill: (
-                    int(truck_volume / (bucket_volume * fill)) + 1
-                )
+                _loads(lambda buckets: int(buckets) + 1)
             ),
         },
         hints=(
@@ -161,61 +169,51 @@ MOVING = (
         number="0.6",
         title="How fast may the machine be?",
         reference=segment_times,
-        cases=lambda rng: [
-            (random_postures(rng, 6), float(share)) for share in rng.uniform(0.2, 0.9, 20)
-        ],
+        oracle="busiest_joint_at_its_share",
+        cases=_way_cases,
         tested_on="20 random movements of six postures",
         mistakes={
             "the joints move together, not one after the other: the slowest counts, no sum": (
-                lambda q_way, share: _times(q_way, share, over_joints=np.sum)
+                _times(np.sum)
             ),
             "that is the mean over the joints: the slowest decides, so the longest time counts": (
-                lambda q_way, share: _times(q_way, share, over_joints=np.mean)
+                _times(np.mean)
             ),
             "joints that move together are no triangle: the longest time counts": (
-                lambda q_way, share: _times(q_way, share, over_joints=np.linalg.norm)
+                _times(np.linalg.norm)
             ),
             "the slowest joint is not always the one that turns most: divide joint by joint": (
-                lambda q_way, share: (
-                    np.max(np.abs(np.diff(q_way, axis=0)), axis=1)
-                    / (share * np.min(BACKHOE.speed_limit))
-                )
+                _times(speed=lambda share: share * np.min(BACKHOE.speed_limit))
             ),
             "the sign goes too late: first np.abs of the turns, then the largest": (
-                lambda q_way, share: np.abs(_times(q_way, share, size=np.asarray))
+                lambda *given: np.abs(_times(size=np.asarray)(*given))
             ),
             "those times count from the start: each segment has its own, from one way-point on": (
-                lambda q_way, share: np.cumsum(_times(q_way, share))
+                lambda *given: np.cumsum(segment_times(*given))
             ),
             "that is one time too many: n way-points have n - 1 segments, without a leading 0": (
-                lambda q_way, share: np.append(0.0, _times(q_way, share))
+                lambda *given: np.append(0.0, segment_times(*given))
             ),
             "that is the joint which is ready first: all must be, so the longest time counts": (
-                lambda q_way, share: _times(q_way, share, over_joints=np.min)
+                _times(np.min)
             ),
             "a joint that turns back needs time too: take np.abs of the turns": (
-                lambda q_way, share: _times(q_way, share, size=np.asarray)
+                _times(size=np.asarray)
             ),
             "share is not used: a joint may use share * BACKHOE.speed_limit only": (
-                lambda q_way, share: _times(q_way, 1.0)
+                lambda q_way, share: segment_times(q_way, 1.0)
             ),
             "share is on the wrong side: a smaller share of the speed needs more time": (
-                lambda q_way, share: _times(q_way, 1 / share)
+                lambda q_way, share: segment_times(q_way, 1 / share)
             ),
-            (
-                "each joint has its own largest speed: divide joint by joint, then look for the "
-                "longest time"
-            ): (
-                lambda q_way, share: (
-                    np.max(np.abs(np.diff(q_way, axis=0)), axis=1)
-                    / (share * np.max(BACKHOE.speed_limit))
-                )
+            "each joint has its own largest speed: divide joint by joint, then take the longest": (
+                _times(speed=lambda share: share * np.max(BACKHOE.speed_limit))
             ),
             "that is the time of the whole way: one time for each segment is asked": (
-                lambda q_way, share: np.sum(_times(q_way, share))
+                lambda *given: np.sum(segment_times(*given))
             ),
             "that is a time for each joint: take the largest along axis 1": (
-                lambda q_way, share: np.abs(np.diff(q_way, axis=0)) / (share * BACKHOE.speed_limit)
+                _times(lambda times, axis: times)
             ),
         },
         hints=(

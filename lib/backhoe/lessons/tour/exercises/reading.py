@@ -24,21 +24,15 @@ def within_limits(q: ArrayLike) -> bool:
     return bool(np.all((q >= BACKHOE.lower) & (q <= BACKHOE.upper)))
 
 
-def random_postures(rng: np.random.Generator, *shape: int) -> NDArray:
-    """Postures within the joint limits, shape (*shape, 4) [rad]."""
-    return rng.uniform(BACKHOE.lower, BACKHOE.upper, (*shape, 4))
-
-
 def _limit_cases(rng: np.random.Generator) -> list[tuple[NDArray]]:
-    inside = list(random_postures(rng, 15))
-    outside = []
-    for joint in range(4):
-        above, below = random_postures(rng, 2)
-        above[joint] = BACKHOE.upper[joint] + 0.2
-        below[joint] = BACKHOE.lower[joint] - 0.2
-        outside += [above, below]
-    edges = [BACKHOE.lower.copy(), BACKHOE.upper.copy(), BACKHOE.upper + 0.1]
-    return [(q,) for q in (*inside, *outside, *edges)]
+    q = rng.uniform(BACKHOE.lower, BACKHOE.upper, (23, 4))
+    np.fill_diagonal(q[15:19], BACKHOE.upper + 0.2)
+    np.fill_diagonal(q[19:], BACKHOE.lower - 0.2)
+    return [(one,) for one in (*q, BACKHOE.lower, BACKHOE.upper, BACKHOE.upper + 0.1)]
+
+
+def _each_joint(q: NDArray) -> NDArray:
+    return (q >= BACKHOE.lower) & (q <= BACKHOE.upper)
 
 
 READING = (
@@ -46,20 +40,21 @@ READING = (
         number="0.1",
         title="The mass of the arm",
         reference=arm_mass,
+        oracle="printed_table",
         rtol=1e-4,
         tested_on="boom, stick and bucket",
         mistakes={
             "that counts the house as well: the arm is boom, stick and bucket": (
-                lambda: arm_mass() + BACKHOE.swing.mass
+                arm_mass() + BACKHOE.swing.mass
             ),
             "that is the whole machine: the arm is boom, stick and bucket": BACKHOE.mass,
             "the bucket is missing: it is the arm's last link": (
                 BACKHOE.boom.mass + BACKHOE.stick.mass
             ),
             "that is the boom alone: stick and bucket are missing": BACKHOE.boom.mass,
-            "that is in tonnes: the course counts mass in kilograms": lambda: arm_mass() / 1000,
+            "that is in tonnes: the course counts mass in kilograms": arm_mass() / 1000,
             "that is the weight in newtons: leave gravity out, the mass is asked for": (
-                lambda: arm_mass() * BACKHOE.gravity
+                arm_mass() * BACKHOE.gravity
             ),
         },
         hints=(
@@ -71,15 +66,12 @@ READING = (
         number="0.2",
         title="Degrees to radians",
         reference=to_radians,
+        oracle="numpys_own",
         cases=lambda rng: [(90.0,), *((rng.uniform(-180, 180, 4),) for _ in range(20))],
         tested_on="one angle and 20 random postures",
         mistakes={
-            "these are still degrees: half a turn, 180 degrees, should become pi": (
-                lambda angles_deg: angles_deg
-            ),
-            "that is the other way round, from radians to degrees": (
-                lambda angles_deg: np.degrees(angles_deg)
-            ),
+            "these are still degrees: half a turn, 180 degrees, should become pi": np.asarray,
+            "that is the other way round, from radians to degrees": np.degrees,
             "that is half of it: 2 pi is the full turn of 360 degrees, so pi goes with 180": (
                 lambda angles_deg: angles_deg * np.pi / 360
             ),
@@ -102,18 +94,17 @@ READING = (
         number="0.3",
         title="Within the joint limits?",
         reference=within_limits,
+        oracle="unchanged_by_clipping",
         cases=_limit_cases,
         tested_on="26 postures inside, outside and on the limits",
         mistakes={
             "the lower limits are not looked at": lambda q: np.all(q <= BACKHOE.upper),
             "the upper limits are not looked at": lambda q: np.all(q >= BACKHOE.lower),
             "one joint within its limits is not enough: all four must be, so np.all": (
-                lambda q: np.any((q >= BACKHOE.lower) & (q <= BACKHOE.upper))
+                lambda q: np.any(_each_joint(q))
             ),
             "it says True to every posture; degrees in it? q and the limits are in radians": (
-                lambda q: np.all(
-                    (q >= np.degrees(BACKHOE.lower)) & (q <= np.degrees(BACKHOE.upper))
-                )
+                lambda q: np.all(_each_joint(np.radians(q)))
             ),
             "it says False to every posture: does a comparison point the wrong way?": (
                 lambda q: False
@@ -125,7 +116,7 @@ READING = (
                 lambda q: np.all((q > BACKHOE.lower) & (q < BACKHOE.upper))
             ),
             "that is an answer for each joint: one for the whole arm is asked, so np.all": (
-                lambda q: (q >= BACKHOE.lower) & (q <= BACKHOE.upper)
+                _each_joint
             ),
             "it is the wrong way round: True means that the posture is allowed": (
                 lambda q: not within_limits(q)

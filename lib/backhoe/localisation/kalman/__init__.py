@@ -34,6 +34,7 @@ from backhoe.localisation.kalman.equations import (
     joseph,
     numerical_jacobian,
     short_form,
+    update,
 )
 from backhoe.localisation.kalman.extended import ExtendedKalmanFilter
 from backhoe.localisation.kalman.history import History
@@ -73,6 +74,7 @@ __all__ = [
     "systematic_resample",
     "transition",
     "unobservable",
+    "update",
     "whiteness",
     "wrap",
 ]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.angles import residual
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, real_array
 
 
 def gain(P: ArrayLike, H: ArrayLike, R: ArrayLike) -> NDArray:
@@ -76,6 +76,31 @@ def short_form(P: ArrayLike, K: ArrayLike, H: ArrayLike) -> NDArray:
     """
     P, K, H = _matrices(P=P, K=K, H=H)
     return (np.eye(P.shape[-1]) - K @ H) @ P
+
+
+def update(
+    x: ArrayLike, P: ArrayLike, z: ArrayLike, H: ArrayLike, R: ArrayLike
+) -> tuple[NDArray, NDArray]:
+    """State and covariance after a measurement, whose innovation is z - H x.
+
+    Source: Mastalli 2013, eqs. (4.16), (4.17) and (4.19).
+
+    Args:
+        x: prediction, shape (n,) [its own units].
+        P: its covariance, shape (n, n) [products of those units].
+        z: measurement, shape (m,) [its own units].
+        H, R: shape (m, n), (m, m) [z's units a unit of x, products of z's units].
+
+    Returns:
+        x, shape (n,), and its covariance, shape (n, n).
+
+    Raises:
+        ValueError: not numbers, or shapes that do not fit.
+        numpy.linalg.LinAlgError: H P H^T + R is singular.
+    """
+    K = gain(P, H, R)
+    x, z = numbers(x, "x", K.shape[:1]), numbers(z, "z", K.shape[1:])
+    return x + K @ (z - np.asarray(H) @ x), joseph(P, K, H, R)
 
 
 def information_update(

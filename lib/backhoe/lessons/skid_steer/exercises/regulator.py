@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,20 +21,13 @@ def sampled_pi(error: NDArray, dt: float, kp: float, ki: float, limit: float) ->
     return np.array(output)
 
 
-def right_clamping(
-    answer: NDArray,
-    reference: NDArray,
-    error: NDArray,
-    dt: float,
-    kp: float,
-    ki: float,
-    limit: float,
-) -> bool:
+def right_clamping(answer: NDArray, reference: NDArray, *given: object) -> bool | str:
     """An integral that waits a step before the limit or runs right up to it are both right."""
-    pi = DigitalPID(kp, ki, 0.0, dt, limits=(-limit, limit))
-    upto = np.array([pi(float(e), 0.0) for e in error])
     if np.shape(answer) != np.shape(reference):
         return "one output for each sample of the error is asked"
+    error, dt, kp, ki, limit = given
+    pi = DigitalPID(kp, ki, 0.0, dt, limits=(-limit, limit))
+    upto = np.array([pi(float(e), 0.0) for e in error])
     return any(np.allclose(answer, one, rtol=1e-6, atol=1e-9) for one in (reference, upto))
 
 
@@ -49,69 +42,50 @@ def _cases(rng: np.random.Generator) -> list[tuple]:
     return cases
 
 
-def _pi(
-    integrate: Callable[..., float], clip: bool = True
-) -> Callable[[NDArray, float, float, float, float], NDArray]:
-    """A PI with another way to go on from its integral and the error of a sample."""
-
-    def output(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
-        given, integral = [], 0.0
-        for e in error:
-            integral = integrate(integral, e, dt, kp, ki, limit)
-            wanted = kp * e + integral
-            given.append(np.clip(wanted, -limit, limit) if clip else wanted)
-        return np.array(given)
-
-    return output
+def _winds_up(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+    return np.clip(kp * error + ki * dt * np.cumsum(error), -limit, limit)
 
 
-def _held(
-    integral: float, e: float, change: float, kp: float, limit: float, sign: float = 1.0
-) -> float:
-    return integral + sign * change if abs(kp * e + integral + change) <= limit else integral
+def _integral_alone(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+    integral = DigitalPID(0.0, ki, 0.0, dt, limits=(-limit, limit))
+    return np.clip(kp * error + [integral(float(e), 0.0) for e in error], -limit, limit)
 
 
 def _a_sample_late(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
-    given, integral = [], 0.0
-    for e in error:
-        given.append(np.clip(kp * e + integral, -limit, limit))
-        if abs(kp * e + integral + ki * dt * e) <= limit:
-            integral += ki * dt * e
-    return np.array(given)
+    def add(integral: float, e: float) -> float:
+        fits = abs(kp * e + integral + ki * dt * e) <= limit
+        return integral + ki * dt * e if fits else integral
+
+    return np.clip(kp * error + [*accumulate(error[:-1], add, initial=0.0)], -limit, limit)
 
 
 SAMPLED_PI = Exercise(
     number="4.6",
     title="A PI that does not wind up",
     reference=sampled_pi,
+    oracle="the_integral_read_back",
     cases=_cases,
     compare=right_clamping,
     mistakes={
-        "the output is limited, the integral is not: it winds up while the output waits": (
-            _pi(lambda total, e, dt, kp, ki, limit: total + ki * dt * e)
-        ),
+        "the output is limited, the integral is not: it winds up while the output waits": _winds_up,
         "the output leaves the limits: no battery gives more than its voltage": (
-            _pi(lambda total, e, dt, kp, ki, limit: total + ki * dt * e, clip=False)
+            lambda error, dt, kp, ki, limit: _winds_up(error, dt, kp, ki, np.inf)
         ),
         "the integral grows with each sample, however short: dt is missing": (
-            _pi(lambda total, e, dt, kp, ki, limit: _held(total, e, ki * e, kp, limit))
+            lambda error, dt, *gains: sampled_pi(error, 1.0, *gains)
         ),
         "the integral may fill the whole range by itself: it is P + I that must stay within": (
-            _pi(
-                lambda total, e, dt, kp, ki, limit: float(
-                    np.clip(total + ki * dt * e, -limit, limit)
-                )
-            )
+            _integral_alone
         ),
         "that is (4.6) with its K_p in front of K_i: here ki stands alone": (
-            _pi(lambda total, e, dt, kp, ki, limit: _held(total, e, kp * ki * dt * e, kp, limit))
+            lambda error, dt, kp, ki, limit: sampled_pi(error, dt, kp, kp * ki, limit)
         ),
         "the integral forgets: it must add up over the samples": (
-            _pi(lambda total, e, dt, kp, ki, limit: _held(0.0, e, ki * dt * e, kp, limit))
+            lambda error, *gains: np.ravel([sampled_pi([e], *gains) for e in error])
         ),
         "the integral comes a sample late: (4.6) adds the present error first": _a_sample_late,
         "that is the P alone: the integral is missing": (
-            lambda error, dt, kp, ki, limit: np.clip(kp * error, -limit, limit)
+            lambda error, dt, kp, ki, limit: sampled_pi(error, dt, kp, 0.0, limit)
         ),
     },
     hints=(

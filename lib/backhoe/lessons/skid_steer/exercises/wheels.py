@@ -2,56 +2,47 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise
-from backhoe.vehicle.skid_steer import HUSKY
+from backhoe.lessons.skid_steer.printed import x_icr_27
+from backhoe.vehicle.skid_steer import HUSKY, effective_half_track, wheel_speeds
 
-_RADIUS, _TRACK = HUSKY.wheel_radius, 2 * HUSKY.half_track
-
-
-def wheel_speeds(v: float, omega: float) -> NDArray:
-    """Speeds of the Husky's left and right wheels for a twist (2.2), shape (2,) [rad/s]."""
-    turn = omega * HUSKY.half_track
-    return np.array([v - turn, v + turn]) / HUSKY.wheel_radius
-
-
-def _wheels(v: float, omega: float, half_track: float = HUSKY.half_track) -> NDArray:
-    return np.array([v - omega * half_track, v + omega * half_track]) / _RADIUS
-
+_R, _C = HUSKY.wheel_radius, HUSKY.half_track
 
 WHEELS = Exercise(
     number="4.1",
     title="From a twist to wheel speeds",
     reference=wheel_speeds,
-    cases=lambda rng: [tuple(rng.uniform((-1.0, -1.5), (1.0, 1.5))) for _ in range(40)],
+    oracle="rims_that_meet_the_ground",
+    cases=lambda rng: [(rng.uniform((-1.0, -1.5), (1.0, 1.5)),) for _ in range(40)],
     mistakes={
         "it turns twice as fast as asked: c is half the distance between left and right": (
-            lambda v, omega: _wheels(v, omega, _TRACK)
+            partial(wheel_speeds, half_track=2 * _C)
         ),
         "it turns half as fast as asked: c is half the distance already, do not halve it again": (
-            lambda v, omega: _wheels(v, omega, _TRACK / 4)
+            partial(wheel_speeds, half_track=_C / 2)
         ),
         "left and right are swapped: a left turn needs the faster wheels on the right": (
-            lambda v, omega: wheel_speeds(v, omega)[::-1]
+            lambda twist: wheel_speeds(twist)[::-1]
         ),
         "these are speeds of the rims in m/s: divide by the radius to get rad/s": (
-            lambda v, omega: wheel_speeds(v, omega) * _RADIUS
+            lambda twist: wheel_speeds(twist) * _R
         ),
         "a larger wheel turns more slowly at the same speed: divide by r": (
-            lambda v, omega: wheel_speeds(v, omega) * _RADIUS**2
+            lambda twist: wheel_speeds(twist) * _R**2
         ),
         "only the turn is divided by r: brackets round v -+ c omega": (
-            lambda v, omega: np.array(
-                [v - omega * _TRACK / 2 / _RADIUS, v + omega * _TRACK / 2 / _RADIUS]
-            )
+            lambda twist: wheel_speeds(twist) + twist[0] * (1 - 1 / _R)
         ),
         "these are revolutions a minute: the wheels' speeds come in rad/s": (
-            lambda v, omega: wheel_speeds(v, omega) * 30 / np.pi
+            lambda twist: wheel_speeds(twist) * 30 / np.pi
         ),
         "both sides get the same speed, so it never turns: what does omega do to each side?": (
-            lambda v, omega: np.full(2, v / _RADIUS)
+            lambda twist: wheel_speeds(twist * (1, 0))
         ),
     },
     hints=(
@@ -72,6 +63,7 @@ SIDE_SLIP = Exercise(
     number="4.2",
     title="What slips sideways",
     reference=side_slip,
+    oracle="wheels_carried_round_the_centre",
     cases=lambda rng: [tuple(rng.uniform((-1.5, -0.24), (1.5, 0.24))) for _ in range(40)],
     mistakes={
         "(2.5) says v_y = -x_ICR omega: you have the other sign of x_ICR": (
@@ -90,10 +82,10 @@ SIDE_SLIP = Exercise(
             lambda omega, x_icr: side_slip(omega, x_icr)[::-1]
         ),
         "that takes c, the distance to the side: sideways a wheel moves by its x, a or -b": (
-            lambda omega, x_icr: omega * (np.array([1, -1]) * HUSKY.half_track - x_icr)
+            lambda omega, x_icr: omega * (np.array([_C, -_C]) - x_icr)
         ),
         "these are distances in m: how fast does the vehicle turn about the centre?": (
-            lambda omega, x_icr: np.array([HUSKY.front - x_icr, -HUSKY.rear - x_icr])
+            lambda omega, x_icr: side_slip(1.0, x_icr)
         ),
     },
     hints=(
@@ -104,12 +96,6 @@ SIDE_SLIP = Exercise(
 )
 
 
-def half_track(t: NDArray, left: NDArray, right: NDArray, turn: float) -> float:
-    """Effective half track from a turn on the spot: (2.7) with the wheel radius [m]."""
-    angle = np.trapezoid(right - left, t)
-    return HUSKY.wheel_radius * angle / (2 * turn)
-
-
 def _spins(rng: np.random.Generator) -> list[tuple]:
     """Spins that start and end at rest: time, speeds of both sides, angle turned."""
     cases = []
@@ -117,46 +103,40 @@ def _spins(rng: np.random.Generator) -> list[tuple]:
         t = np.linspace(0.0, rng.uniform(3.0, 9.0), rng.integers(200, 600))
         shape = np.sin(np.pi * t / t[-1]) ** 2
         left, right = -rng.uniform(0.5, 3.0) * shape, rng.uniform(0.5, 3.0) * shape
-        true = rng.uniform(0.3, 0.7)
-        turn = HUSKY.wheel_radius * np.trapezoid(right - left, t) / (2 * true)
+        turn = _R * np.trapezoid(right - left, t) / (2 * rng.uniform(0.3, 0.7))
         cases.append((t, left, right, float(turn)))
     return cases
-
-
-def _scaled(t: NDArray, left: NDArray, right: NDArray, turn: float, factor: float) -> float:
-    return factor * half_track(t, left, right, turn)
 
 
 HALF_TRACK = Exercise(
     number="4.3",
     title="Repair (2.7)",
-    reference=half_track,
+    reference=effective_half_track,
+    oracle="an_ideal_vehicle_of_that_half_track",
     cases=_spins,
     mistakes={
         "that is (2.7) as printed, an angle by an angle: the wheel's radius makes it a length": (
-            lambda t, left, right, turn: _scaled(t, left, right, turn, 1 / _RADIUS)
+            x_icr_27
         ),
         "that is the whole effective track: half of it is asked": (
-            lambda t, left, right, turn: _scaled(t, left, right, turn, 2.0)
+            lambda *spin: 2 * effective_half_track(*spin)
         ),
         "it is negative: right minus left, for a turn to the left": (
-            lambda t, left, right, turn: _scaled(t, left, right, turn, -1.0)
+            lambda *spin: -effective_half_track(*spin)
         ),
         "only the right side is used: the left wheels did not turn exactly as fast backwards": (
-            lambda t, left, right, turn: half_track(t, -right, right, turn)
+            lambda t, left, right, turn: effective_half_track(t, -right, right, turn)
         ),
         "a sum of speeds is no angle: each sample counts for its time step": (
-            lambda t, left, right, turn: _RADIUS * np.sum(right - left) / (2 * turn)
+            lambda t, left, right, turn: _R * np.sum(right - left) / (2 * turn)
         ),
         "the turn is in radians already": (
-            lambda t, left, right, turn: half_track(t, left, right, np.degrees(turn))
+            lambda *spin: effective_half_track(*spin[:3], np.degrees(spin[3]))
         ),
         "that takes the highest speeds for all of the time: integrate them": (
-            lambda t, left, right, turn: _RADIUS * np.max(right - left) * t[-1] / (2 * turn)
+            lambda t, left, right, turn: _R * np.max(right - left) * t[-1] / (2 * turn)
         ),
-        "that is the half track of the drawing: the spins tell another one": (
-            lambda t, left, right, turn: HUSKY.half_track
-        ),
+        "that is the half track of the drawing: the spins tell another one": lambda *spin: _C,
     },
     hints=(
         "Each rim ran r times the angle of its wheel. Without slip, what would the turn have been?",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from backhoe.lessons.skid_steer import printed
-from backhoe.vehicle import skid_steer
+from backhoe.vehicle import motor, skid_steer
 from backhoe.vehicle.skid_steer import HUSKY, PROVENANCE, replace
 from units import UNITS, in_units
 
@@ -98,6 +98,29 @@ def test_212_and_217_agree_with_the_repaired_model():
     assert np.array_equal(C, np.eye(4))
     assert np.array_equal(printed.state_space_216().C, C)
     assert np.array_equal(printed.state_space_216().D, D)
+
+
+def test_41_solves_the_motor_s_two_differential_equations():
+    m, load = replace(motor.WHEELCHAIR, gear=1.0), motor.Load(0.04, 0.002)
+    J, b = m.inertia + load.inertia, m.friction + load.friction
+    A = np.array(
+        [
+            [-m.resistance / m.inductance, -m.back_emf / m.inductance],
+            [m.torque_constant / J, -b / J],
+        ]
+    )
+    B = np.diag([1 / m.inductance, -1 / J])  # of voltage on the current, of torque on the speed
+    for s in (0.0, 3.0j, -4.0 + 50.0j, 2000.0j):
+        truth = np.linalg.solve(s * np.eye(2) - A, B)[1]
+        assert printed.transfer_41(s, m, load) == pytest.approx(truth, rel=1e-9)
+
+
+def test_41_without_inductance_is_the_first_order_motor():
+    m, load = replace(motor.WHEELCHAIR, gear=1.0, inductance=1e-15), motor.Load(0.04, 0.002)
+    system = motor.first_order(m, load)
+    slow = 1 + system.time_constant * 7.0j
+    found = printed.transfer_41(7.0j, m, load)
+    assert found == pytest.approx((system.gain / slow, -system.torque_gain / slow), rel=1e-9)
 
 
 def test_the_scaling_of_units_covers_every_field():

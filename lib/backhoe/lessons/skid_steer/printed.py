@@ -1,6 +1,7 @@
-"""Formulas of D'Angelo 2022, chapter 2, exactly as printed, where they are wrong. Not for use.
+"""Formulas of D'Angelo 2022, chapters 2 and 4, exactly as printed. Not for use.
 
-Lesson 04 tests them; `backhoe.vehicle.skid_steer` has what they should be.
+Lesson 04 tests them; those of chapter 2 are wrong: `backhoe.vehicle.skid_steer` has what they
+should be.
 """
 
 from __future__ import annotations
@@ -8,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.vehicle.motor import Load, Motor
 from backhoe.vehicle.skid_steer.linear_model import StateSpace
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
-__all__ = ["moment_213b", "state_space_216", "torque_214", "x_icr_27"]
+__all__ = ["moment_213b", "state_space_216", "torque_214", "transfer_41", "x_icr_27"]
 
 
 def x_icr_27(time: ArrayLike, left: ArrayLike, right: ArrayLike, turn: float) -> float:
@@ -79,3 +81,19 @@ def state_space_216(vehicle: Vehicle = HUSKY) -> StateSpace:
     A[3, 3] = -turn - p.mass * p.gravity * p.lateral * p.half_track / p.inertia
     B[1, 0], B[3, 1] = push, turn
     return StateSpace(A, B, np.eye(4), np.zeros((4, 2)))
+
+
+def transfer_41(s: complex, motor: Motor, load: Load) -> tuple[complex, complex]:
+    """G_1(s) and G_2(s): speed of a motor without a gear per voltage, and per torque against it.
+
+    Args:
+        s: complex frequency [1/s].
+        motor, load: their numbers; J and b of the print are those of rotor and load together.
+
+    Returns:
+        [rad/s/V] and [rad/s per N m].
+    """
+    J, b = motor.inertia + load.inertia, motor.friction + load.friction
+    winding = motor.inductance * s + motor.resistance
+    below = winding * (J * s + b) + motor.back_emf * motor.torque_constant
+    return motor.torque_constant / below, -winding / below

@@ -7,23 +7,12 @@
 Source: D'Angelo 2022, chapter 4, which prints no parameters but 24 V, 450 W and n = 100.
 """
 
-from backhoe.vehicle.motor.model import (
-    Discrete,
-    FirstOrder,
-    MotorRun,
-    current,
-    discretise,
-    first_order,
-    simulate,
-    torque,
-    transfer_functions,
-)
+from backhoe.vehicle.motor.model import Discrete, FirstOrder, discretise, first_order, torque
 from backhoe.vehicle.motor.parameters import (
     ROVER,
     WHEELCHAIR,
     Load,
     Motor,
-    Rated,
     hanging_wheel,
     replace,
     vehicle_load,
@@ -47,21 +36,16 @@ __all__ = [
     "FirstOrder",
     "Load",
     "Motor",
-    "MotorRun",
-    "Rated",
     "WheelGains",
     "WheelRun",
     "control_wheel",
-    "current",
     "discretise",
     "first_order",
     "hanging_wheel",
     "overshoot",
     "replace",
     "settling_time",
-    "simulate",
     "torque",
-    "transfer_functions",
     "tune_wheel",
     "vehicle_load",
     "wheel_pid",

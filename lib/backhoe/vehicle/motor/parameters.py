@@ -6,31 +6,10 @@ rotor is named: w_rotor = n w, T_wheel = n T_rotor, and the rotor's inertia coun
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from math import isfinite, sqrt
-from numbers import Real
-from typing import NamedTuple, Protocol
+from dataclasses import dataclass, replace
+from typing import Protocol
 
-
-def _require(owner: object, may_be_zero: tuple[str, ...]) -> None:
-    for field in fields(owner):
-        name, value = f"{type(owner).__name__}.{field.name}", getattr(owner, field.name)
-        if isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value):
-            raise ValueError(f"{name} must be a finite number, got {value!r}")
-        if value < 0 or (value == 0 and field.name not in may_be_zero):
-            wanted = "not be negative" if field.name in may_be_zero else "be positive"
-            raise ValueError(f"{name} must {wanted}, got {value!r}")
-        object.__setattr__(owner, field.name, float(value))
-
-
-class Rated(NamedTuple):
-    """Where the motor gives its rated power: speed [rad/s] and torque [N m] at the wheel,
-    current [A], efficiency [1]."""
-
-    speed: float
-    torque: float
-    current: float
-    efficiency: float
+from backhoe.basics.inputs import choice, not_negative, positive
 
 
 @dataclass(frozen=True)
@@ -60,7 +39,9 @@ class Motor:
     power: float
 
     def __post_init__(self) -> None:
-        _require(self, may_be_zero=("friction",))
+        for name, value in vars(self).items():
+            check = not_negative if name == "friction" else positive
+            object.__setattr__(self, name, check(value, f"Motor.{name}"))
 
     @property
     def torque_per_volt(self) -> float:
@@ -84,37 +65,9 @@ class Motor:
         return self.torque_per_volt * self.voltage / self.damping
 
     @property
-    def stall_current(self) -> float:
-        """Current at the rated voltage when held [A]."""
-        return self.voltage / self.resistance
-
-    @property
-    def stall_torque(self) -> float:
-        """Torque at the wheel at the rated voltage when held [N m]."""
-        return self.torque_per_volt * self.voltage
-
-    @property
     def electric_time_constant(self) -> float:
         """L/R [s]."""
         return self.inductance / self.resistance
-
-    @property
-    def rated(self) -> Rated:
-        """The faster of the two points where the wheel takes the rated power.
-
-        Raises:
-            ValueError: the motor never gives its rated power.
-        """
-        stall, damping = self.stall_torque, self.damping
-        under_root = stall**2 - 4 * damping * self.power
-        if under_root < 0:
-            raise ValueError(
-                f"the motor gives at most {stall**2 / (4 * damping):.0f} W of its {self.power} W"
-            )
-        speed = (stall + sqrt(under_root)) / (2 * damping)
-        amperes = (self.voltage - self.back_emf * self.gear * speed) / self.resistance
-        efficiency = self.power / (self.voltage * amperes)
-        return Rated(speed, self.power / speed, amperes, efficiency)
 
 
 WHEELCHAIR = Motor(
@@ -147,7 +100,8 @@ class Load:
     friction: float = 0.0
 
     def __post_init__(self) -> None:
-        _require(self, may_be_zero=("inertia", "friction"))
+        for name, value in vars(self).items():
+            object.__setattr__(self, name, not_negative(value, f"Load.{name}"))
 
 
 class Wheeled(Protocol):
@@ -175,8 +129,7 @@ def vehicle_load(vehicle: Wheeled, driven: int = 4) -> Load:
     Raises:
         ValueError: driven is not 2 or 4.
     """
-    if driven not in (2, 4):
-        raise ValueError(f"driven must be 2 or 4 wheels, got {driven!r}")
+    choice(driven, "driven", (2, 4))
     r, p = vehicle.wheel_radius, vehicle
     return Load(
         (4 * p.wheel_inertia + p.mass * r**2) / driven,

@@ -6,18 +6,16 @@ control, no saturation for a step to 1 rad/s.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import exp, log
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.vehicle.motor.model import discretise, finite, first_order, positive
+from backhoe.arm.pid import DigitalPID
+from backhoe.basics.inputs import alike, number, numbers, positive
+from backhoe.vehicle.motor.model import discretise, first_order
 from backhoe.vehicle.motor.parameters import Load, Motor
-
-if TYPE_CHECKING:
-    from backhoe.arm.pid import DigitalPID
 
 WHEEL_PERIOD = 0.001
 """Sample time of the wheels' speed control [s]: the source's simulator runs at 1 kHz."""
@@ -53,11 +51,10 @@ def tune_wheel(
         ValueError: faster is not between 0 and 1, dt is not positive, or dt is too long to settle
             so fast.
     """
-    if not 0 < faster < 1:
-        raise ValueError(f"faster must lie between 0 and 1, got {faster!r}")
+    faster = number(faster, "faster", above=0.0, below=1.0)
     tau = first_order(motor, load).time_constant
     wanted = (1 - faster) * tau * log(50)
-    if positive(dt, "dt") > wanted:
+    if positive(dt, "dt", "s") > wanted:
         raise ValueError(
             f"settling in {1e3 * wanted:.3g} ms needs a shorter sample time than {1e3 * dt:.3g} ms"
         )
@@ -80,12 +77,9 @@ def wheel_pid(
     Raises:
         ValueError: gains are not kp, ki, kd, or one that `DigitalPID` refuses.
     """
-    from backhoe.arm.pid import DigitalPID
-
-    if not (isinstance(gains, Sequence | np.ndarray) and len(gains) == 3):
-        raise ValueError(f"gains must be kp, ki, kd, as from tune_wheel, got {gains!r}")
-    kp, ki, kd = gains if wheels is None else (np.full(wheels, gain) for gain in gains)
-    return DigitalPID(kp, ki, kd, dt, limits=(-motor.voltage, motor.voltage))
+    gains = numbers(gains, "gains", (3,), meaning="kp, ki, kd as from tune_wheel").tolist()
+    loops = gains if wheels is None else [np.full(wheels, gain) for gain in gains]
+    return DigitalPID(*loops, dt, limits=(-motor.voltage, motor.voltage))
 
 
 class WheelRun(NamedTuple):
@@ -118,9 +112,9 @@ def control_wheel(
     Raises:
         ValueError: reference is not a finite number, or duration or dt is not positive.
     """
-    reference = float(finite(reference, "reference"))
+    reference = number(reference, "reference", "rad/s")
     pid, step = wheel_pid(motor, gains, dt), discretise(motor, load, dt)
-    samples = round(positive(duration, "duration") / dt)
+    samples = round(positive(duration, "duration", "s") / dt)
     speed, voltage = np.zeros(samples + 1), np.empty(samples)
     for k in range(samples):
         voltage[k] = pid(reference, float(speed[k]))
@@ -136,8 +130,8 @@ def settling_time(
 
     Args:
         time: shape (n,) [s].
-        response: shape (n,).
-        final: what it settles on; its last value unless told.
+        response: shape (n,), of any unit.
+        final: what it settles on, in that unit; its last value unless told.
         band: half width as a share of the final value.
 
     Returns:
@@ -147,12 +141,9 @@ def settling_time(
         ValueError: time and response are not two rows of one length, final is 0, or the response
             ends outside the band.
     """
-    time, response = finite(time, "time"), finite(response, "response")
-    if time.ndim != 1 or time.shape != response.shape:
-        raise ValueError(
-            f"time and response must be rows of one length, got {time.shape}, {response.shape}"
-        )
-    final = float(response[-1] if final is None else final)
+    time, response = numbers(time, "time", ("n",)), numbers(response, "response", ("n",))
+    alike(time=time, response=response)
+    final = number(response[-1] if final is None else final, "final")
     if final == 0:
         raise ValueError("final must not be 0: the band is a share of it")
     outside = np.abs(response - final) > band * abs(final)
@@ -168,7 +159,12 @@ def settling_time(
 def overshoot(response: ArrayLike, final: float) -> float:
     """How far a response to a positive step exceeds its final value, as a share of that; 0 if not.
 
+    Args:
+        response: shape (n,), in the units of `final`.
+        final: what it settles on.
+
     Raises:
         ValueError: a value is not finite, or final is not positive.
     """
-    return max(float(finite(response, "response").max()) / positive(final, "final") - 1, 0.0)
+    peak = numbers(response, "response", ("n",)).max()
+    return max(float(peak) / positive(final, "final") - 1, 0.0)

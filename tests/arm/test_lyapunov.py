@@ -5,14 +5,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from backhoe.arm import dynamics, lyapunov
-from backhoe.arm.pid import ARM_GAINS
+from backhoe.arm.lyapunov import State
+from backhoe.arm.pid import ARM_GAINS, Gains
 from backhoe.lessons import published
 from backhoe.lessons.lyapunov_pid import inequalities
 from backhoe.machine import BACKHOE, replace
 from oracles import Lagrangian
 
-GAINS = published.load("mastalli_2013_eq_333")
-KP, KD, KI = (np.array(GAINS[name]) for name in ("K_p", "K_d", "K_i"))
+PRINTED = published.load("mastalli_2013_eq_333")
+KP, KI, KD = GAINS = Gains(*(np.array(PRINTED[name]) for name in ("K_p", "K_i", "K_d")))
 ALPHA = 1.5
 COUNT = 4000
 FLOATING = replace(BACKHOE, gravity=0.0)
@@ -25,10 +26,10 @@ def rng():
 
 @pytest.fixture
 def state(rng):
-    """w, error, dq and q_desired over all angles."""
+    """Over all angles."""
     goal = rng.uniform(-np.pi, np.pi, (COUNT, 4))
     spread = rng.uniform(0.01, 2.0, (3, COUNT, 1))
-    return *(spread * rng.normal(size=(3, COUNT, 4))), goal
+    return State(*(spread * rng.normal(size=(3, COUNT, 4))), goal)
 
 
 @pytest.fixture(scope="module")
@@ -43,22 +44,33 @@ def random_gain(rng, low=1e4, high=2e6):
     return (gain + gain.T) / 2
 
 
+def random_gains(rng):
+    return Gains(*(random_gain(rng) for _ in range(3)))
+
+
+def moved(state, rates, t):
+    """The state a time t later, along its rates."""
+    return State(*(x + t * rate for x, rate in zip(state[:3], rates, strict=True)), state.goal)
+
+
 # closed loop
 
 
 def test_nothing_moves_and_v_is_zero_at_rest_in_the_goal(rng):
     goal, still = rng.uniform(-3, 3, (20, 4)), np.zeros(4)
-    for rate in lyapunov.closed_loop_rate(still, still, still, goal, KP, KD, KI, ALPHA):
+    state = State(still, still, still, goal)
+    for rate in lyapunov.closed_loop_rate(state, GAINS, ALPHA):
         np.testing.assert_allclose(rate, 0.0, atol=1e-12)
-    V = lyapunov.function(still, still, still, goal, KP, KD, KI, ALPHA)
+    V = lyapunov.function(state, GAINS, ALPHA)
     np.testing.assert_allclose(V, 0.0, atol=1e-9)
 
 
 def test_the_rest_integral_of_the_controller_is_the_origin():
     goal = np.array([0.3, 0.2, -0.4, 0.9])
     held = dynamics.gravity_torque(goal) / KI
-    for part in lyapunov.closed_loop_state(goal, np.zeros(4), held, goal, KI, ALPHA):
-        np.testing.assert_allclose(part, 0.0, atol=1e-15)
+    state = lyapunov.closed_loop_state(goal, np.zeros(4), held, goal, GAINS, ALPHA)
+    np.testing.assert_allclose(state[:3], 0.0, atol=1e-15)
+    np.testing.assert_array_equal(state.goal, goal)
 
 
 def test_closed_loop_rate_is_the_pid_seen_in_other_coordinates(rng):
@@ -69,17 +81,17 @@ def test_closed_loop_rate_is_the_pid_seen_in_other_coordinates(rng):
 
     def state_at(t):
         return lyapunov.closed_loop_state(
-            q + t * dq, dq + t * ddq, integral + t * (goal - q), goal, KI, ALPHA
+            q + t * dq, dq + t * ddq, integral + t * (goal - q), goal, GAINS, ALPHA
         )
 
-    rates = lyapunov.closed_loop_rate(*state_at(0.0), goal, KP, KD, KI, ALPHA)
-    for ahead, behind, rate in zip(state_at(h), state_at(-h), rates, strict=True):
+    rates = lyapunov.closed_loop_rate(state_at(0.0), GAINS, ALPHA)
+    for ahead, behind, rate in zip(state_at(h)[:3], state_at(-h)[:3], rates, strict=True):
         np.testing.assert_allclose((ahead - behind) / (2 * h), rate, rtol=1e-6, atol=1e-6)
 
 
 def test_matrix_gains_give_what_their_diagonals_give(state):
-    lists = lyapunov.function(*state, KP, KD, KI, ALPHA)
-    matrices = lyapunov.function(*state, np.diag(KP), np.diag(KD), np.diag(KI), ALPHA)
+    lists = lyapunov.function(state, GAINS, ALPHA)
+    matrices = lyapunov.function(state, Gains(*map(np.diag, GAINS)), ALPHA)
     np.testing.assert_array_equal(lists, matrices)
 
 
@@ -87,23 +99,21 @@ def test_matrix_gains_give_what_their_diagonals_give(state):
 
 
 def test_derivative_is_the_slope_of_v_along_the_flow(state):
-    *x, goal = state
-    rates = lyapunov.closed_loop_rate(*x, goal, KP, KD, KI, ALPHA)
+    rates = lyapunov.closed_loop_rate(state, GAINS, ALPHA)
     h = 1e-5
 
     def V(t):
-        moved = (part + t * rate for part, rate in zip(x, rates, strict=True))
-        return lyapunov.function(*moved, goal, KP, KD, KI, ALPHA)
+        return lyapunov.function(moved(state, rates, t), GAINS, ALPHA)
 
     slope = (8 * (V(h) - V(-h)) - (V(2 * h) - V(-2 * h))) / (12 * h)
-    exact = lyapunov.derivative(x[1], x[2], goal, KP, KD, KI, ALPHA)
+    exact = lyapunov.derivative(state, GAINS, ALPHA)
     assert np.max(np.abs(slope - exact) / (1 + np.abs(exact))) < 1e-4
     assert np.median(np.abs(slope - exact) / (1 + np.abs(exact))) < 1e-7
 
 
 def test_derivative_agrees_with_a_complex_step_through_the_symbolic_lagrangian(rng):
     arm, h = Lagrangian(), 1e-30
-    Kp, Kd, Ki = (random_gain(rng) for _ in range(3))
+    Kp, Ki, Kd = gains = random_gains(rng)
 
     def V(w, error, dq, goal):
         M, *_, here = arm.terms(goal - error, dq)
@@ -113,53 +123,49 @@ def test_derivative_agrees_with_a_complex_step_through_the_symbolic_lagrangian(r
         return form / 2 + here - there + error @ g
 
     for _ in range(20):
-        w, error, dq, goal = rng.normal(size=(4, 4))
+        w, error, dq, goal = state = State(*rng.normal(size=(4, 4)))
         M, centrifugal, g, *_ = arm.terms(goal - error, dq)
         *_, there, _, _ = arm.terms(goal, 0 * dq)
         tau = (Kp - Ki / ALPHA) @ error - Kd @ dq + Ki @ w / ALPHA + there
         rates = ALPHA * error - dq, -dq, np.linalg.solve(M, tau - centrifugal - g)
-        moved = [x + 1j * h * r for x, r in zip((w, error, dq), rates, strict=True)]
-        slope = V(*moved, goal + 0j).imag / h
-        exact = lyapunov.derivative(error, dq, goal, Kp, Kd, Ki, ALPHA)
+        slope = V(*moved(state, rates, 1j * h)[:3], goal + 0j).imag / h
+        exact = lyapunov.derivative(state, gains, ALPHA)
         np.testing.assert_allclose(exact, slope, rtol=1e-9)
-        plain = lyapunov.function(w, error, dq, goal, Kp, Kd, Ki, ALPHA)
+        plain = lyapunov.function(state, gains, ALPHA)
         np.testing.assert_allclose(plain, V(w, error, dq, goal), rtol=1e-9)
-        ours = lyapunov.closed_loop_rate(w, error, dq, goal, Kp, Kd, Ki, ALPHA)
+        ours = lyapunov.closed_loop_rate(state, gains, ALPHA)
         for rate, expected in zip(ours, rates, strict=True):
             np.testing.assert_allclose(rate, expected, rtol=1e-8)
 
 
 def test_v_falls_along_a_motion_by_the_integral_of_its_derivative():
-    kp, ki, kd = ARM_GAINS
     alpha, goal, zero = 0.5, np.array([0.5, 0.2, -0.3, 0.8]), np.zeros(4)
-    start = lyapunov.closed_loop_state(goal - 0.3, zero, zero, goal, ki, alpha)
+    start = lyapunov.closed_loop_state(goal - 0.3, zero, zero, goal, ARM_GAINS, alpha)
 
     def rate(t, x):
-        w, error, dq = x[:12].reshape(3, 4)
-        moving = lyapunov.closed_loop_rate(w, error, dq, goal, kp, kd, ki, alpha)
-        return np.concatenate([*moving, [lyapunov.derivative(error, dq, goal, kp, kd, ki, alpha)]])
+        state = State(*x[:12].reshape(3, 4), goal)
+        moving = lyapunov.closed_loop_rate(state, ARM_GAINS, alpha)
+        return np.concatenate([*moving, [lyapunov.derivative(state, ARM_GAINS, alpha)]])
 
-    times, x0 = np.linspace(0, 4, 100), np.concatenate([*start, [0.0]])
+    times, x0 = np.linspace(0, 4, 100), np.concatenate([*start[:3], [0.0]])
     run = solve_ivp(rate, (0, 4), x0, "DOP853", times, rtol=1e-8, atol=1e-9)
-    w, error, dq = run.y[:12].reshape(3, 4, -1).transpose(0, 2, 1)
-    V = lyapunov.function(w, error, dq, goal, kp, kd, ki, alpha)
+    along = State(*run.y[:12].reshape(3, 4, -1).transpose(0, 2, 1), goal)
+    V = lyapunov.function(along, ARM_GAINS, alpha)
     assert (np.diff(V) < 0).all()
     assert V[-1] < 0.5 * V[0]
     np.testing.assert_allclose(V - V[0], run.y[12], rtol=1e-6, atol=1e-3)
 
 
 def test_the_terms_of_the_derivative_sum_to_it(state):
-    _, error, dq, goal = state
-    terms = lyapunov.derivative_terms(error, dq, goal, KP, KD, KI, ALPHA)
-    whole = lyapunov.derivative(error, dq, goal, KP, KD, KI, ALPHA)
+    terms = lyapunov.derivative_terms(state, GAINS, ALPHA)
+    whole = lyapunov.derivative(state, GAINS, ALPHA)
     np.testing.assert_allclose(terms.sum(axis=-1), whole)
-    still = lyapunov.derivative_terms(error, 0 * dq, goal, KP, KD, KI, ALPHA)
+    still = lyapunov.derivative_terms(state._replace(dq=0 * state.dq), GAINS, ALPHA)
     np.testing.assert_array_equal(still[:, [0, 2]], 0.0)
 
 
 def test_without_gravity_the_gravity_term_is_zero(state):
-    _, error, dq, goal = state
-    terms = lyapunov.derivative_terms(error, dq, goal, KP, KD, KI, ALPHA, machine=FLOATING)
+    terms = lyapunov.derivative_terms(state, GAINS, ALPHA, machine=FLOATING)
     np.testing.assert_allclose(terms[:, 3], 0.0, atol=1e-6)
 
 
@@ -172,26 +178,27 @@ def test_v_is_above_its_quadratic_part_when_stiffness_outweighs_gravity(
     for _ in range(5):
         Ki = random_gain(rng, 1e3, 1e5)
         Kp = Ki / ALPHA + random_gain(rng, 1.0001 * over_all_angles.kg, 1e6)
-        Kd = random_gain(rng)
-        V = lyapunov.function(*state, Kp, Kd, Ki, ALPHA)
-        assert (V >= inequalities.quadratic_part(*state, Kd, Ki, ALPHA)).all()
+        gains = Gains(Kp, Ki, random_gain(rng))
+        V = lyapunov.function(state, gains, ALPHA)
+        assert (V >= inequalities.quadratic_part(state, gains, ALPHA)).all()
 
 
 def test_v_can_be_below_its_quadratic_part_when_gravity_outweighs_stiffness(state):
-    weak = np.full(4, 2e4)
-    V = lyapunov.function(*state, weak, KD, weak / 10, ALPHA)
-    assert (V < inequalities.quadratic_part(*state, KD, weak / 10, ALPHA)).any()
+    weak = Gains(np.full(4, 2e4), np.full(4, 2e3), KD)
+    V = lyapunov.function(state, weak, ALPHA)
+    assert (V < inequalities.quadratic_part(state, weak, ALPHA)).any()
 
 
 def test_the_second_derivative_of_the_potential_term_is_stiffness_plus_gravity_slope(rng):
     goal, error = rng.uniform(-2, 2, (2, 50, 4))
     still, h = np.zeros(4), 1e-3
-    Kp, Ki = random_gain(rng), random_gain(rng)
+    Kp, Ki, _ = gains = Gains(random_gain(rng), random_gain(rng), KD)
     basis = np.eye(4)
 
     def term(e):
-        V = lyapunov.function(still, e, still, goal, Kp, KD, Ki, ALPHA)
-        return V - inequalities.quadratic_part(still, e, still, goal, KD, Ki, ALPHA)
+        state = State(still, e, still, goal)
+        V = lyapunov.function(state, gains, ALPHA)
+        return V - inequalities.quadratic_part(state, gains, ALPHA)
 
     curved = np.empty((50, 4, 4))
     for i in range(4):
@@ -205,20 +212,19 @@ def test_the_second_derivative_of_the_potential_term_is_stiffness_plus_gravity_s
 
 
 def test_every_term_of_v_is_above_its_bound(state, rng, over_all_angles):
-    w, error, dq, goal = state
     for _ in range(5):
-        Kd, Ki = random_gain(rng), random_gain(rng)
-        terms = inequalities.quadratic_terms(w, error, dq, goal, Kd, Ki, ALPHA)
-        bounds = inequalities.quadratic_term_bounds(w, error, dq, Kd, Ki, ALPHA, over_all_angles)
+        gains = random_gains(rng)
+        terms = inequalities.quadratic_terms(state, gains, ALPHA)
+        bounds = inequalities.quadratic_term_bounds(state, gains, ALPHA, over_all_angles)
         assert (terms >= bounds).all()
-        part = inequalities.quadratic_part(w, error, dq, goal, Kd, Ki, ALPHA)
+        part = inequalities.quadratic_part(state, gains, ALPHA)
         np.testing.assert_allclose(part, (terms.sum(-1) + terms[:, 3]) / 2)
-        below = inequalities.lower_bound(w, error, dq, Kd, Ki, ALPHA, over_all_angles)
+        below = inequalities.lower_bound(state, gains, ALPHA, over_all_angles)
         assert (part >= below).all()
 
 
 def test_lower_bound_is_the_printed_quadratic_form(rng, over_all_angles):
-    c, (w, error, dq) = over_all_angles, rng.normal(size=(3, 4))
+    c, state = over_all_angles, State(*rng.normal(size=(3, 4)), np.zeros(4))
     matrix = np.array(
         [
             [KI.min() / ALPHA**2, 0, 0],
@@ -226,8 +232,8 @@ def test_lower_bound_is_the_printed_quadratic_form(rng, over_all_angles):
             [0, -c.lambda_max, c.lambda_min / ALPHA],
         ]
     )
-    sizes = np.linalg.norm([w, error, dq], axis=1)
-    below = inequalities.lower_bound(w, error, dq, KD, KI, ALPHA, c)
+    sizes = np.linalg.norm(state[:3], axis=1)
+    below = inequalities.lower_bound(state, GAINS, ALPHA, c)
     assert below == pytest.approx(ALPHA / 2 * sizes @ matrix @ sizes)
 
 
@@ -235,19 +241,18 @@ def test_lower_bound_is_the_printed_quadratic_form(rng, over_all_angles):
 
 
 def test_every_term_of_the_derivative_is_below_its_bound(state, rng, over_all_angles):
-    _, error, dq, goal = state
     for _ in range(5):
-        gains = [random_gain(rng) for _ in range(3)]
-        terms = lyapunov.derivative_terms(error, dq, goal, *gains, ALPHA)
-        bounds = inequalities.derivative_term_bounds(error, dq, *gains, ALPHA, over_all_angles)
+        gains = random_gains(rng)
+        terms = lyapunov.derivative_terms(state, gains, ALPHA)
+        bounds = inequalities.derivative_term_bounds(state, gains, ALPHA, over_all_angles)
         assert (terms <= bounds).all()
-        below = inequalities.derivative_bound(error, dq, *gains, ALPHA, over_all_angles)
+        below = inequalities.derivative_bound(state, gains, ALPHA, over_all_angles)
         np.testing.assert_allclose(below, bounds.sum(axis=-1))
 
 
 def test_the_weights_count_the_error_and_not_the_speed(over_all_angles):
     c, error = over_all_angles, np.array([[0.3, 0.0, 0.0, 0.4], [0.0, 0.0, 0.0, 0.0]])
-    W11, W22 = inequalities.rate_weights(error, KP, KD, KI, ALPHA, c)
+    W11, W22 = inequalities.rate_weights(error, GAINS, ALPHA, c)
     assert W11 == pytest.approx(ALPHA * (372500 - c.kg) - 555000)
     expected = 365000 - ALPHA * (c.lambda_max + c.kc1 * np.array([0.5, 0.0]))
     np.testing.assert_allclose(W22, expected)
@@ -348,12 +353,14 @@ def test_the_gravity_slope_is_the_derivative_of_the_gravity_torque(rng):
 
 
 def test_leading_axes_are_kept():
-    w, error, dq = np.zeros((3, 1, 4)), np.zeros((5, 4)), np.zeros((3, 1, 4))
-    assert lyapunov.function(w, error, dq, np.zeros(4), KP, KD, KI, ALPHA).shape == (3, 5)
-    assert lyapunov.derivative(error, dq, np.zeros(4), KP, KD, KI, ALPHA).shape == (3, 5)
-    rates = lyapunov.closed_loop_rate(w, error, dq, np.zeros(4), KP, KD, KI, ALPHA)
+    state = State(np.zeros((3, 1, 4)), np.zeros((5, 4)), np.zeros((3, 1, 4)), np.zeros(4))
+    assert lyapunov.function(state, GAINS, ALPHA).shape == (3, 5)
+    assert lyapunov.derivative(state, GAINS, ALPHA).shape == (3, 5)
+    rates = lyapunov.closed_loop_rate(state, GAINS, ALPHA)
     assert [rate.shape for rate in rates] == [(3, 5, 4)] * 3
-    assert inequalities.quadratic_terms(w, error, dq, np.zeros(4), KD, KI, ALPHA).shape == (3, 5, 4)
+    assert inequalities.quadratic_terms(state, GAINS, ALPHA).shape == (3, 5, 4)
+    made = lyapunov.closed_loop_state(state.w, state.dq, state.error, state.goal, GAINS, ALPHA)
+    assert [part.shape for part in made] == [(3, 5, 4)] * 4
 
 
 @pytest.mark.parametrize(
@@ -369,25 +376,33 @@ def test_leading_axes_are_kept():
     ],
 )
 def test_a_gain_that_is_none_is_refused(gain, complaint):
-    zero = np.zeros(4)
     with pytest.raises(ValueError, match=complaint):
-        lyapunov.function(zero, zero, zero, zero, gain, KD, KI, ALPHA)
+        lyapunov.function(State(*np.zeros((4, 4))), GAINS._replace(kp=gain), ALPHA)
     with pytest.raises(ValueError, match=complaint):
-        lyapunov.check_gains(gain, KD, KI)
+        lyapunov.check_gains(GAINS._replace(kp=gain))
 
 
 @pytest.mark.parametrize("alpha", [0.0, -1.0, np.nan, np.inf, True, "1", None])
 def test_alpha_must_be_a_positive_number(alpha):
-    zero = np.zeros(4)
-    with pytest.raises(ValueError, match="alpha must be a positive number in 1/s"):
-        lyapunov.derivative(zero, zero, zero, KP, KD, KI, alpha)
+    with pytest.raises(ValueError, match=r"alpha must be one number above 0 \[1/s\]"):
+        lyapunov.derivative(State(*np.zeros((4, 4))), GAINS, alpha)
 
 
 def test_states_that_do_not_fit_are_refused():
-    zero = np.zeros(4)
+    rest = State(*np.zeros((4, 4)))
     with pytest.raises(ValueError, match="error must end in 4 joints"):
-        lyapunov.function(zero, np.zeros(3), zero, zero, KP, KD, KI, ALPHA)
+        lyapunov.function(rest._replace(error=np.zeros(3)), GAINS, ALPHA)
     with pytest.raises(ValueError, match="leading axes must fit"):
-        lyapunov.function(np.zeros((2, 4)), np.zeros((3, 4)), zero, zero, KP, KD, KI, ALPHA)
+        unequal = rest._replace(w=np.zeros((2, 4)), error=np.zeros((3, 4)))
+        lyapunov.function(unequal, GAINS, ALPHA)
     with pytest.raises(ValueError, match="integral must be finite"):
-        lyapunov.closed_loop_state(zero, zero, zero + np.nan, zero, KI, ALPHA)
+        lyapunov.closed_loop_state(*rest[:2], rest.dq + np.nan, rest.goal, GAINS, ALPHA)
+
+
+def test_rows_in_an_order_of_one_s_own_are_no_state_and_no_gains():
+    with pytest.raises(TypeError, match=r"state must be a State, got tuple.*w, error, dq, goal"):
+        lyapunov.function((np.zeros(4),) * 4, GAINS, ALPHA)
+    with pytest.raises(TypeError, match=r"gains must be a Gains, got tuple.*kp=.*ki=.*kd="):
+        lyapunov.derivative(State(*np.zeros((4, 4))), (KP, KD, KI), ALPHA)
+    with pytest.raises(TypeError, match="gains must be a Gains"):
+        lyapunov.check_gains((KP, KD, KI))

@@ -368,9 +368,9 @@ def test_constants_can_be_replaced_but_not_changed():
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        ({"domain": "ball"}, 'domain must be "box" or "torus", got \'ball\''),
-        ({"domain": "postures"}, "give postures as q"),
-        ({"recipe": "loose"}, 'recipe must be "tight" or "printed", got \'loose\''),
+        ({"domain": "ball"}, "domain must be one of box, torus, got 'ball'"),
+        ({"domain": "postures"}, "domain must be one of box, torus, got 'postures'"),
+        ({"recipe": "loose"}, "recipe must be one of tight, printed, got 'loose'"),
         ({"q": np.zeros((0, 4))}, "at least one posture"),
         ({"q": np.zeros((5, 3))}, "q must end in 4 joints"),
         ({"q": [0, 0, np.inf, 0]}, "q must be finite"),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from backhoe.arm import lyapunov, movement
+from backhoe.arm.pid import Gains
 from backhoe.lessons import published
 from backhoe.lessons.lyapunov_pid import figures
 
@@ -13,7 +14,7 @@ GRID = np.geomspace(0.1, 10.0, 4), np.geomspace(0.01, 1.0, 5)
 @pytest.fixture(scope="module")
 def printed_gains():
     table = published.load("mastalli_2013_eq_333")
-    return [np.array(table[name]) for name in ("K_p", "K_d", "K_i")]
+    return Gains(*(np.array(table[name]) for name in ("K_p", "K_i", "K_d")))
 
 
 def labelled(ax):
@@ -41,7 +42,7 @@ def test_constants_are_shown_in_the_units_of_their_axes():
 
 def test_certificates_show_an_interval_or_say_that_there_is_none(printed_gains):
     judged = {
-        route: lyapunov.check_gains(*printed_gains, route=route) for route in ("scalar", "matrix")
+        route: lyapunov.check_gains(printed_gains, route=route) for route in ("scalar", "matrix")
     }
     ax = figures.certificates(judged).axes[0]
     below, above = (text.get_text() for text in ax.texts)
@@ -58,7 +59,7 @@ def test_margins_reach_to_the_right_exactly_where_the_condition_holds():
 
 
 def test_the_demands_on_the_printed_gains_are_those_of_the_lesson(printed_gains):
-    ax = figures.gain_demands(*printed_gains).axes[0]
+    ax = figures.gain_demands(printed_gains).axes[0]
     names = [label.get_text() for label in ax.get_yticklabels()]
     widths = {bar.get_y() + bar.get_height() / 2: bar.get_width() for bar in ax.patches}
     holds = {names[round(row)] for row, width in widths.items() if width > 0}
@@ -100,7 +101,7 @@ def test_gain_space_puts_the_borders_of_the_cells_between_their_centres():
         (lambda: figures.margins({}), "no condition to draw"),
         (lambda: figures.margins({"a": (1.0, 0.0)}), "need positive"),
         (lambda: figures.margins({"a": (np.inf, 1.0)}), "must be finite"),
-        (lambda: figures.gain_demands([1, 1, 1], [1] * 4, [1] * 4), "4 gains"),
+        (lambda: figures.gain_demands(Gains([1, 1, 1], [1] * 4, [1] * 4)), "4 gains"),
         (lambda: figures.joint_lines([0, 1], np.ones((3, 4)), "x"), r"values must be \(n, 4\)"),
         (lambda: figures.gain_space(*GRID, [np.ones((5, 4))], ["a"]), r"one \(4, 5\) array"),
         (lambda: figures.gain_space(*GRID, [np.ones((4, 5))], ["a", "b"]), "each of 2 titles"),

@@ -4,14 +4,17 @@ import numpy as np
 import pytest
 
 from backhoe.arm import dynamics, lyapunov
+from backhoe.arm.lyapunov import State
+from backhoe.arm.pid import Gains
 from backhoe.lessons import published
 from backhoe.lessons.lyapunov_pid import inequalities, printed
 from backhoe.machine import BACKHOE, replace
 
 EQ_333, TABLE_31 = (published.load(f"mastalli_2013_{name}") for name in ("eq_333", "table_31"))
 NUMBERS = published.load("mastalli_2013_arm_constants")
-GAINS = tuple(np.array(EQ_333[name]) for name in ("K_p", "K_d", "K_i"))
-EVEN = (np.full(4, 9e5), np.full(4, 1e6), np.full(4, 5e4))
+GAINS = Gains(*(np.array(EQ_333[name]) for name in ("K_p", "K_i", "K_d")))
+EVEN = Gains(np.full(4, 9e5), np.full(4, 5e4), np.full(4, 1e6))
+LOOSE = Gains(np.full(4, 9e5), np.full(4, 5e3), np.full(4, 1e6))
 ALPHA, COUNT = 1.5, 10_000
 FLOATING = replace(BACKHOE, gravity=0.0)
 
@@ -32,11 +35,20 @@ def thesis(exact):
     return exact.replace(kg=NUMBERS["gravity"]["k_g"], kc1=NUMBERS["coriolis"]["k_C1"])
 
 
-def poles(rate, goal, *alpha):
+def by_35(state, gains, alpha):
+    return printed.closed_loop_rate_35(*state, gains)
+
+
+def moved(state, rates, t):
+    """The state a time t later, along its rates."""
+    return State(*(x + t * rate for x, rate in zip(state[:3], rates, strict=True)), state.goal)
+
+
+def poles(rate, goal):
     """Eigenvalues of the closed loop linearised at rest in the goal, (12,) [1/s]."""
     x = 1e-6 * np.eye(12).reshape(12, 3, 4).transpose(1, 0, 2)
     ahead, behind = (
-        np.concatenate(rate(*(sign * x), goal, *GAINS, *alpha), axis=-1) for sign in (1, -1)
+        np.concatenate(rate(State(*(sign * x), goal), GAINS, ALPHA), axis=-1) for sign in (1, -1)
     )
     return np.linalg.eigvals((ahead - behind).T / 2e-6)
 
@@ -46,12 +58,12 @@ def poles(rate, goal, *alpha):
 
 def test_printed_35_and_37_differ_from_the_closed_loop_in_the_damping_alone(rng):
     z, error, dq, goal = rng.normal(size=(4, 50, 4))
-    pushed = 2 * np.linalg.solve(dynamics.mass_matrix(goal - error), (GAINS[1] * dq)[..., None])
+    pushed = 2 * np.linalg.solve(dynamics.mass_matrix(goal - error), (GAINS.kd * dq)[..., None])
     pushed = pushed[..., 0]
-    w = ALPHA * z + error
-    right = lyapunov.closed_loop_rate(w, error, dq, goal, *GAINS, ALPHA)
-    in_w = printed.closed_loop_rate_37(w, error, dq, goal, *GAINS, ALPHA)
-    in_z = printed.closed_loop_rate_35(z, error, dq, goal, *GAINS)
+    state = State(ALPHA * z + error, error, dq, goal)
+    right = lyapunov.closed_loop_rate(state, GAINS, ALPHA)
+    in_w = printed.closed_loop_rate_37(state, GAINS, ALPHA)
+    in_z = printed.closed_loop_rate_35(z, error, dq, goal, GAINS)
     for ours, theirs in zip(right[:2], in_w[:2], strict=True):
         np.testing.assert_allclose(theirs, ours)
     np.testing.assert_array_equal(in_z[0], error)
@@ -61,24 +73,22 @@ def test_printed_35_and_37_differ_from_the_closed_loop_in_the_damping_alone(rng)
 
 def test_printed_37_is_unstable_everywhere_and_the_corrected_one_nowhere(rng):
     for goal in rng.uniform(-np.pi, np.pi, (40, 4)):
-        assert poles(printed.closed_loop_rate_35, goal).real.max() > 100
-        assert poles(printed.closed_loop_rate_37, goal, ALPHA).real.max() > 100
-        assert poles(lyapunov.closed_loop_rate, goal, ALPHA).real.max() < 0
+        assert poles(by_35, goal).real.max() > 100
+        assert poles(printed.closed_loop_rate_37, goal).real.max() > 100
+        assert poles(lyapunov.closed_loop_rate, goal).real.max() < 0
 
 
 def test_printed_38_rises_along_motions_and_does_not_have_the_derivative_of_318(rng):
     w, error, dq = rng.normal(size=(3, 1000, 4)) * np.array([0.3, 0.2, 0.5])[:, None, None]
     goal = rng.uniform(BACKHOE.lower, BACKHOE.upper, (1000, 4))
-    state, rates = (w, error, dq), lyapunov.closed_loop_rate(w, error, dq, goal, *GAINS, ALPHA)
+    state = State(w, error, dq, goal)
+    rates = lyapunov.closed_loop_rate(state, GAINS, ALPHA)
 
     def change(V):
-        ahead, behind = (
-            V(*(x + h * rate for x, rate in zip(state, rates, strict=True)), goal, *GAINS, ALPHA)
-            for h in (1e-6, -1e-6)
-        )
+        ahead, behind = (V(moved(state, rates, h), GAINS, ALPHA) for h in (1e-6, -1e-6))
         return (ahead - behind) / 2e-6
 
-    formula = lyapunov.derivative(error, dq, goal, *GAINS, ALPHA)
+    formula = lyapunov.derivative(state, GAINS, ALPHA)
     np.testing.assert_allclose(change(lyapunov.function), formula, rtol=1e-5, atol=1e-2)
     assert formula.max() < 0
     assert np.mean(change(printed.function_38) > 0) > 0.05
@@ -86,15 +96,10 @@ def test_printed_38_rises_along_motions_and_does_not_have_the_derivative_of_318(
 
 
 def test_printed_derivative_of_v_does_not_belong_to_printed_37(rng):
-    w, error, dq, goal = rng.normal(size=(4, 300, 4))
-    h, claimed = 1e-6, lyapunov.derivative(error, dq, goal, *GAINS, ALPHA)
-    rates = printed.closed_loop_rate_37(w, error, dq, goal, *GAINS, ALPHA)
-    ahead, behind = (
-        lyapunov.function(
-            w + t * rates[0], error + t * rates[1], dq + t * rates[2], goal, *GAINS, ALPHA
-        )
-        for t in (h, -h)
-    )
+    state, h = State(*rng.normal(size=(4, 300, 4))), 1e-6
+    claimed = lyapunov.derivative(state, GAINS, ALPHA)
+    rates = printed.closed_loop_rate_37(state, GAINS, ALPHA)
+    ahead, behind = (lyapunov.function(moved(state, rates, t), GAINS, ALPHA) for t in (h, -h))
     assert (np.abs((ahead - behind) / (2 * h) - claimed) > 0.1 * np.abs(claimed)).mean() > 0.9
 
 
@@ -103,14 +108,14 @@ def test_printed_derivative_of_v_does_not_belong_to_printed_37(rng):
 
 def test_printed_310_is_not_an_energy(rng):
     error, goal = rng.normal(size=(2, 20, 4))
-    Kp, Kd, Ki = GAINS
     still = np.zeros(4)
-    V = lyapunov.function(still, error, still, goal, *GAINS, ALPHA)
-    term = V - inequalities.quadratic_part(still, error, still, goal, Kd, Ki, ALPHA)
-    sums = printed.term_310(error, goal, Kp, Ki, ALPHA)
+    state = State(still, error, still, goal)
+    V = lyapunov.function(state, GAINS, ALPHA)
+    term = V - inequalities.quadratic_part(state, GAINS, ALPHA)
+    sums = printed.term_310(error, goal, GAINS, ALPHA)
     assert sums.shape == (20, 4)
     assert (np.ptp(sums, axis=-1) > 1e3).all()
-    at_rest = printed.term_310(still, goal, Kp, Ki, ALPHA)
+    at_rest = printed.term_310(still, goal, GAINS, ALPHA)
     np.testing.assert_allclose(at_rest, 2 * dynamics.gravity_torque(goal))
     assert (np.abs(sums - term[:, None]).max(axis=-1) > 1e3).all()
 
@@ -120,7 +125,7 @@ def test_printed_rewriting_of_312_passes_gains_that_leave_no_stiffness(exact):
     assert printed.kp_condition_312(kp, ki, exact)
     small_alpha = 0.2
     assert (kp - ki / small_alpha).min() < exact.kg
-    low = lyapunov.check_gains(kp, EVEN[1], ki, constants=exact).alpha_low
+    low = lyapunov.check_gains(Gains(kp, ki, EVEN.kd), constants=exact).alpha_low
     assert low == pytest.approx(0.5)
 
 
@@ -128,11 +133,11 @@ def test_printed_rewriting_of_312_passes_gains_that_leave_no_stiffness(exact):
 
 
 def test_317_is_enough_for_the_exact_condition_but_loses_the_condition_number(exact):
-    high = printed.alpha_high_317(EVEN[1], exact)
-    assert lyapunov.matrix_condition(EVEN[1], high, domain="torus") > 0
-    needed = EVEN[1].min() / exact.lambda_max
-    assert lyapunov.matrix_condition(EVEN[1], 0.999 * needed, domain="torus") > 0
-    assert lyapunov.matrix_condition(EVEN[1], 1.001 * needed, domain="torus") < 0
+    high = printed.alpha_high_317(EVEN.kd, exact)
+    assert lyapunov.matrix_condition(EVEN.kd, high, domain="torus") > 0
+    needed = EVEN.kd.min() / exact.lambda_max
+    assert lyapunov.matrix_condition(EVEN.kd, 0.999 * needed, domain="torus") > 0
+    assert lyapunov.matrix_condition(EVEN.kd, 1.001 * needed, domain="torus") < 0
     assert needed / high == pytest.approx(exact.lambda_max / exact.lambda_min)
     assert needed / high > 800
 
@@ -154,7 +159,7 @@ def test_printed_322_fails_more_often_the_slower_the_arm_moves(rng, exact):
     for size in (1.0, 0.1, 0.01, 0.001):
         dq = size * direction
         speed, far = np.linalg.norm(dq, axis=-1), np.linalg.norm(error, axis=-1)
-        turning = lyapunov.derivative_terms(error, dq, goal, *EVEN, ALPHA)[:, 2]
+        turning = lyapunov.derivative_terms(State(error, error, dq, goal), EVEN, ALPHA)[:, 2]
         shares.append((turning > ALPHA * exact.kc1 * speed * speed**2).mean())
         assert (turning <= ALPHA * exact.kc1 * far * speed**2).all()
     assert shares == sorted(shares)
@@ -169,39 +174,39 @@ def test_printed_320_can_be_below_the_derivative_of_v(rng):
     dq = 0.1 * (heavy + 0.3 * rng.normal(size=(COUNT, 4)))
     turn = np.einsum("ni,nkij,nj->nk", dq, dynamics.mass_matrix_derivative(q), dq)
     error = -3 * turn / np.linalg.norm(turn, axis=-1, keepdims=True)
-    slope = lyapunov.derivative(error, dq, q + error, *EVEN, ALPHA, machine=FLOATING)
-    below = slope > printed.derivative_bound_320(error, dq, *EVEN, ALPHA, c)
+    state = State(error, error, dq, q + error)
+    slope = lyapunov.derivative(state, EVEN, ALPHA, machine=FLOATING)
+    below = slope > printed.derivative_bound_320(state, EVEN, ALPHA, c)
     assert below.mean() > 0.03
-    assert (slope <= inequalities.derivative_bound(error, dq, *EVEN, ALPHA, c)).all()
+    assert (slope <= inequalities.derivative_bound(state, EVEN, ALPHA, c)).all()
 
 
 def test_printed_322_is_the_corrected_one_with_the_speed_in_place_of_the_error(rng, exact):
     x = rng.normal(size=(30, 4))
-    _, right = inequalities.rate_weights(x, *GAINS, ALPHA, exact)
-    np.testing.assert_allclose(printed.weight_322(x, GAINS[1], ALPHA, exact), right)
+    _, right = inequalities.rate_weights(x, GAINS, ALPHA, exact)
+    np.testing.assert_allclose(printed.weight_322(x, GAINS.kd, ALPHA, exact), right)
 
 
 def test_printed_323_has_kp_where_324_has_kd(exact):
     still = np.zeros(4)
-    low, high = printed.alpha_limits_323(still, GAINS[0], GAINS[2], exact)
-    assert low == pytest.approx(lyapunov.check_gains(*GAINS, constants=exact).alpha_low)
-    assert high == pytest.approx(GAINS[0].min() / exact.lambda_max)
-    at_324 = printed.speed_bound_324(*GAINS, exact)
+    low, high = printed.alpha_limits_323(still, GAINS.kp, GAINS.ki, exact)
+    assert low == pytest.approx(lyapunov.check_gains(GAINS, constants=exact).alpha_low)
+    assert high == pytest.approx(GAINS.kp.min() / exact.lambda_max)
+    at_324 = printed.speed_bound_324(GAINS, exact)
     edge = np.array([max(at_324, 0.0), 0.0, 0.0, 0.0])
-    from_kd = GAINS[1].min() / (exact.lambda_max + exact.kc1 * edge[0])
-    assert (at_324 < 0) == (low > GAINS[1].min() / exact.lambda_max)
+    from_kd = GAINS.kd.min() / (exact.lambda_max + exact.kc1 * edge[0])
+    assert (at_324 < 0) == (low > GAINS.kd.min() / exact.lambda_max)
     assert from_kd != pytest.approx(high)
 
 
 def test_the_right_side_of_324_is_the_region_of_the_position_error(exact):
-    kp, kd, ki = np.full(4, 9e5), np.full(4, 1e6), np.full(4, 5e3)
-    certificate = lyapunov.check_gains(kp, kd, ki, constants=exact)
+    certificate = lyapunov.check_gains(LOOSE, constants=exact)
     assert certificate.holds
-    assert printed.speed_bound_324(kp, kd, ki, exact) == pytest.approx(certificate.region)
+    assert printed.speed_bound_324(LOOSE, exact) == pytest.approx(certificate.region)
     _, edge = inequalities.rate_weights(
-        [certificate.region, 0, 0, 0], kp, kd, ki, certificate.alpha_low, exact
+        [certificate.region, 0, 0, 0], LOOSE, certificate.alpha_low, exact
     )
-    assert edge == pytest.approx(0.0, abs=1e-6 * kd[0])
+    assert edge == pytest.approx(0.0, abs=1e-6 * LOOSE.kd[0])
 
 
 def test_324_counts_no_seconds():
@@ -211,9 +216,9 @@ def test_324_counts_no_seconds():
         lyapunov.constants(domain="torus", machine=machine)
         for machine in (BACKHOE, replace(BACKHOE, gravity=BACKHOE.gravity * slow**2))
     )
-    kp, kd, ki = np.full(4, 9e5), np.full(4, 1e6), np.full(4, 5e3)
-    here = printed.speed_bound_324(kp, kd, ki, once)
-    there = printed.speed_bound_324(kp * slow**2, kd * slow, ki * slow**3, later)
+    here = printed.speed_bound_324(LOOSE, once)
+    kp, ki, kd = LOOSE
+    there = printed.speed_bound_324(Gains(kp * slow**2, ki * slow**3, kd * slow), later)
     assert there == pytest.approx(here)
 
 
@@ -245,14 +250,14 @@ def test_the_printed_ratio_is_impossible_for_any_posture(rng):
 
 def test_the_printed_bound_on_kd_needs_a_ratio_that_is_impossible_too(thesis):
     wanted = NUMBERS["conclusions"]["K_d_above"]
-    needed = wanted / printed.kd_bound_334(GAINS[0], GAINS[2], thesis.replace(ratio=1.0))
+    needed = wanted / printed.kd_bound_334(GAINS.kp, GAINS.ki, thesis.replace(ratio=1.0))
     assert needed == pytest.approx(175790, abs=5)
     assert needed == pytest.approx(NUMBERS["inertia"]["local_ratio"], rel=0.08)
     assert thesis.ratio > 600 * needed
 
 
 def test_with_the_exact_constants_the_bound_on_kd_is_a_thousand_times_as_large(exact):
-    bound = printed.kd_bound_334(GAINS[0], GAINS[2], exact)
+    bound = printed.kd_bound_334(GAINS.kp, GAINS.ki, exact)
     assert bound == pytest.approx(3.54e8, rel=1e-2)
     assert bound > 1000 * NUMBERS["conclusions"]["K_d_above"]
 
@@ -274,11 +279,11 @@ def test_table_31_breaks_the_bound_that_the_thesis_derives_for_it():
 
 
 def test_the_printed_speed_bound_is_ten_times_what_its_formula_can_give(thesis):
-    at_most = np.degrees(printed.speed_bound_324(*GAINS, thesis.replace(lambda_max=0.0)))
+    at_most = np.degrees(printed.speed_bound_324(GAINS, thesis.replace(lambda_max=0.0)))
     printed_bound = NUMBERS["conclusions"]["speed_bound_deg"]
     assert at_most == pytest.approx(115.4, abs=0.1)
     assert printed_bound / at_most == pytest.approx(10, rel=0.01)
-    own = np.degrees(printed.speed_bound_324(*GAINS, thesis))
+    own = np.degrees(printed.speed_bound_324(GAINS, thesis))
     assert own == pytest.approx(46.4, abs=0.1)
     assert own < NUMBERS["movement"]["largest_speed_deg"]
 
@@ -296,8 +301,8 @@ def test_printed_a8_never_holds_and_its_reverse_always(rng, exact):
 def test_bad_states_and_gains_are_refused(exact):
     zero = np.zeros(4)
     with pytest.raises(ValueError, match="dq must end in 4 joints"):
-        printed.weight_322(np.zeros(3), GAINS[1], ALPHA, exact)
+        printed.weight_322(np.zeros(3), GAINS.kd, ALPHA, exact)
     with pytest.raises(ValueError, match="K_d must be positive definite"):
-        printed.closed_loop_rate_35(zero, zero, zero, zero, GAINS[0], -GAINS[1], GAINS[2])
-    with pytest.raises(ValueError, match="alpha must be a positive number"):
-        printed.closed_loop_rate_37(zero, zero, zero, zero, *GAINS, 0.0)
+        printed.closed_loop_rate_35(*[zero] * 4, GAINS._replace(kd=-GAINS.kd))
+    with pytest.raises(ValueError, match="alpha must be one number above 0"):
+        printed.closed_loop_rate_37(State(*[zero] * 4), GAINS, 0.0)

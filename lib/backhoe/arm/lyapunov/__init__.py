@@ -4,10 +4,11 @@
 - `extremes`: the constants k_g, k_C1 and the extreme eigenvalues of M
 - `conditions`, `certificate`: what gains must satisfy, by three routes, and a verdict with numbers
 - `region`: from where the motion ends in the goal
-- `sampling`, `tuning`: gains that satisfy the conditions and can be sampled
+- `sampled_loop`, `tuning`: gains that satisfy the conditions and can be sampled
 """
 
 from backhoe.arm.lyapunov.candidate import (
+    State,
     closed_loop_rate,
     closed_loop_state,
     derivative,
@@ -25,7 +26,7 @@ from backhoe.arm.lyapunov.extremes import (
     profile,
 )
 from backhoe.arm.lyapunov.region import Attraction, attraction
-from backhoe.arm.lyapunov.sampling import effective_inertia, sampled_radius
+from backhoe.arm.lyapunov.sampled_loop import effective_inertia, sampled_radius
 from backhoe.arm.lyapunov.tuning import Tuning, tune
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "Condition",
     "Constants",
     "Profile",
+    "State",
     "Tuning",
     "attraction",
     "check_gains",

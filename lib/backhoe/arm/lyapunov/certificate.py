@@ -14,12 +14,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from backhoe.arm.lyapunov import extremes
-from backhoe.arm.lyapunov.conditions import Gains, lowest, matrix_condition, route_named
+from backhoe.arm.lyapunov.conditions import lowest, matrix_condition, route_named
 from backhoe.arm.lyapunov.extremes import Constants
-from backhoe.arm.lyapunov.gains import gain_matrix, positive
+from backhoe.arm.lyapunov.gains import gain_matrices
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import instance, positive
 
 _NAMES = {
     "scalar": (
@@ -131,9 +132,7 @@ class Certificate:
 
 
 def check_gains(
-    kp: ArrayLike,
-    kd: ArrayLike,
-    ki: ArrayLike,
+    gains: Gains,
     *,
     constants: Constants | None = None,
     route: str = "scalar",
@@ -145,7 +144,7 @@ def check_gains(
     Source: Mastalli 2013, (3.30) and (3.24), the latter corrected: it bounds ||q~||.
 
     Args:
-        kp, kd, ki: gains, (4,) or symmetric (4, 4) [N m/rad, N m s/rad, N m/(rad s)].
+        gains: each (4,) or symmetric (4, 4) [N m/rad, N m/(rad s), N m s/rad].
         constants: of the arm, and over which postures; None for the tight ones of the joint box.
             Numbers changed by `replace` count where the route uses them: all of them in "scalar",
             kg and kc1 in "matrix", none in "exact".
@@ -160,13 +159,12 @@ def check_gains(
     Raises:
         ValueError: a gain of another shape, not finite, not symmetric or not positive definite; an
             unknown route; error or alpha not positive.
-        TypeError: constants are no Constants.
+        TypeError: gains are no Gains, or constants no Constants.
     """
-    gains = Gains(gain_matrix(kp, "K_p"), gain_matrix(kd, "K_d"), gain_matrix(ki, "K_i"))
+    gains = gain_matrices(gains)
     judge = route_named(route)
     c = extremes.constants() if constants is None else constants
-    if not isinstance(c, Constants):
-        raise TypeError(f"constants must be what lyapunov.constants(...) returns, got {c!r}")
+    instance(c, "constants", Constants, "give what lyapunov.constants(...) returns")
     radius = 0.0 if error is None else positive(error, "error", "rad")
     chosen = None if alpha is None else positive(alpha, "alpha", "1/s")
     low = judge.alpha_low(gains, c)
@@ -174,7 +172,7 @@ def check_gains(
     at = low if chosen is None else chosen
     region = judge.region(gains, c, at) if at < high and low <= at else 0.0
     conditions = [
-        _condition("K_i > 0", "(3.30)", lowest(gains.Ki), ">", 0.0, "N m/(rad s)"),
+        _condition("K_i > 0", "(3.30)", lowest(gains.ki), ">", 0.0, "N m/(rad s)"),
         _stiffness(route, gains, c),
     ]
     if chosen is None:
@@ -200,7 +198,7 @@ def _stiffness(route: str, gains: Gains, c: Constants) -> Condition:
 def _damping(route: str, gains: Gains, c: Constants, low: float) -> Condition:
     """Whether K_d leaves room above the lowest alpha."""
     if route == "scalar":
-        left, right = lowest(gains.Kd), low * c.ratio
+        left, right = lowest(gains.kd), low * c.ratio
     else:
         left, right = _margin(gains, c, low), 0.0
     return _condition(_NAMES[route][1], "(3.30)", left, ">", right, "N m s/rad")
@@ -210,8 +208,8 @@ def _margin(gains: Gains, c: Constants, alpha: float) -> float:
     if not np.isfinite(alpha):
         return -np.inf
     if c.domain == "postures":
-        return float(matrix_condition(gains.Kd, alpha, c.q, machine=c.machine).min())
-    return matrix_condition(gains.Kd, alpha, domain=c.domain, machine=c.machine)
+        return float(matrix_condition(gains.kd, alpha, c.q, machine=c.machine).min())
+    return matrix_condition(gains.kd, alpha, domain=c.domain, machine=c.machine)
 
 
 def _condition(

@@ -9,38 +9,30 @@
 with D = sum q~_k dM/dq_k, for all q and q~. K_d > alpha M(q) says by its Schur complement that
 [alpha K_d, -alpha M; -alpha M, M] is positive definite; nothing is lost in it, while the scalar
 (3.17) loses the condition number of M. The last line is (3.18) itself: C is made of Christoffel
-symbols, so q~^T C(q, dq)^T dq is dq^T D dq / 2, and g(q_desired) - g(q) is the mean of dg/dq on the
-way between them, times q~.
+symbols, so q~^T C(q, dq)^T dq is dq^T D dq / 2, and g(goal) - g(q) is the mean of dg/dq on the way
+between them, times q~.
 
 Source: Mastalli 2013, (3.11) to (3.13), (3.17), (3.21) to (3.24); matrix and exact route are ours.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.dynamics import mass_matrix, mass_matrix_derivative
 from backhoe.arm.lyapunov.extremes import Constants, gravity_slope
-from backhoe.arm.lyapunov.gains import gain_matrix, positive
+from backhoe.arm.lyapunov.gains import gain_matrix
 from backhoe.arm.lyapunov.suprema import Domain, domain_of, heaviest, largest_norm, supremum
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import choice, positive
 from backhoe.machine import BACKHOE, Machine
-
-ROUTES = ("scalar", "matrix", "exact")
-
-
-class Gains(NamedTuple):
-    """K_p [N m/rad], K_d [N m s/rad] and K_i [N m/(rad s)] as matrices (4, 4)."""
-
-    Kp: NDArray
-    Kd: NDArray
-    Ki: NDArray
 
 
 class Route(Protocol):
-    """One way of judging gains; infinite alpha_low or zero alpha_high: nothing is left."""
+    """One way of judging gains as matrices; infinite alpha_low or zero alpha_high: nothing left."""
 
     def stiffness(self, gains: Gains, c: Constants) -> float:
         """Smallest stiffness that is left beside gravity, must be positive [N m/rad]."""
@@ -62,53 +54,53 @@ class Scalar:
     """The thesis's route, with the smallest and the largest eigenvalue of every matrix."""
 
     def stiffness(self, gains: Gains, c: Constants) -> float:
-        return lowest(gains.Kp) - c.kg
+        return lowest(gains.kp) - c.kg
 
     def alpha_low(self, gains: Gains, c: Constants) -> float:
         left = self.stiffness(gains, c)
-        return highest(gains.Ki) / left if left > 0 else np.inf
+        return highest(gains.ki) / left if left > 0 else np.inf
 
     def alpha_positive(self, gains: Gains, c: Constants) -> float:
-        return lowest(gains.Kd) / c.ratio
+        return lowest(gains.kd) / c.ratio
 
     def alpha_decay(self, gains: Gains, c: Constants, radius: float) -> float:
-        return lowest(gains.Kd) / (c.lambda_max + c.kc1 * radius)
+        return lowest(gains.kd) / (c.lambda_max + c.kc1 * radius)
 
     def region(self, gains: Gains, c: Constants, alpha: float) -> float:
-        return max(0.0, (lowest(gains.Kd) / alpha - c.lambda_max) / c.kc1)
+        return max(0.0, (lowest(gains.kd) / alpha - c.lambda_max) / c.kc1)
 
 
 class Matrix:
     """Gains and M as matrices; gravity and Coriolis by k_g and k_C1."""
 
     def stiffness(self, gains: Gains, c: Constants) -> float:
-        return lowest(gains.Kp) - c.kg
+        return lowest(gains.kp) - c.kg
 
     def alpha_low(self, gains: Gains, c: Constants) -> float:
-        left = gains.Kp - c.kg * np.eye(4)
-        return _largest_ratio(gains.Ki, left) if lowest(left) > 0 else np.inf
+        left = gains.kp - c.kg * np.eye(4)
+        return _largest_ratio(gains.ki, left) if lowest(left) > 0 else np.inf
 
     def alpha_positive(self, gains: Gains, c: Constants) -> float:
         return self.alpha_decay(gains, c, 0.0)
 
     def alpha_decay(self, gains: Gains, c: Constants, radius: float) -> float:
-        W, reach = inverse_root(gains.Kd), c.kc1 * radius * np.eye(4)
+        W, reach = inverse_root(gains.kd), c.kc1 * radius * np.eye(4)
         top = supremum(
             lambda q: _highest(W @ (mass_matrix(q, c.machine) + reach) @ W), c.over
         ).value
         return 1 / top
 
     def region(self, gains: Gains, c: Constants, alpha: float) -> float:
-        return max(0.0, least(gains.Kd / alpha, c.over, c.machine) / c.kc1)
+        return max(0.0, least(gains.kd / alpha, c.over, c.machine) / c.kc1)
 
 
 class Exact(Matrix):
     """The Hessian of the potential energy and the derivatives of M in full."""
 
     def stiffness(self, gains: Gains, c: Constants) -> float:
-        shift = 2 * highest(gains.Kp) + c.kg
+        shift = 2 * highest(gains.kp) + c.kg
         top = supremum(
-            lambda q: _highest(shift * np.eye(4) - gains.Kp - gravity_slope(q, machine=c.machine)),
+            lambda q: _highest(shift * np.eye(4) - gains.kp - gravity_slope(q, machine=c.machine)),
             c.over,
         )
         return shift - top.value
@@ -116,26 +108,26 @@ class Exact(Matrix):
     def alpha_low(self, gains: Gains, c: Constants) -> float:
         if self.stiffness(gains, c) <= 0:
             return np.inf
-        root = np.linalg.cholesky(gains.Ki)
+        root = np.linalg.cholesky(gains.ki)
 
         def needed(q: NDArray) -> NDArray:
-            left = gains.Kp + gravity_slope(q, machine=c.machine)
+            left = gains.kp + gravity_slope(q, machine=c.machine)
             return _highest(root.T @ np.linalg.solve(left, root))
 
         return supremum(needed, c.over).value
 
     def alpha_decay(self, gains: Gains, c: Constants, radius: float) -> float:
-        return 1 / damping_per_alpha(gains.Kd, radius, c.over, c.machine)
+        return 1 / damping_per_alpha(gains.kd, radius, c.over, c.machine)
 
     def alpha_positive(self, gains: Gains, c: Constants) -> float:
         return Matrix.alpha_decay(self, gains, c, 0.0)
 
     def region(self, gains: Gains, c: Constants, alpha: float) -> float:
-        if least(gains.Kd / alpha, c.over, c.machine) <= 0:
+        if least(gains.kd / alpha, c.over, c.machine) <= 0:
             return 0.0
 
         def relative(q: NDArray) -> NDArray:
-            left = gains.Kd / alpha - mass_matrix(q, c.machine)
+            left = gains.kd / alpha - mass_matrix(q, c.machine)
             W = np.linalg.inv(np.linalg.cholesky(left))[..., None, :, :]
             return W @ mass_matrix_derivative(q, c.machine) @ np.swapaxes(W, -1, -2) / 2
 
@@ -151,9 +143,7 @@ def route_named(name: str) -> Route:
     Raises:
         ValueError: there is none.
     """
-    if name not in _ROUTES:
-        raise ValueError(f"route must be one of {', '.join(map(repr, ROUTES))}, got {name!r}")
-    return _ROUTES[name]
+    return _ROUTES[choice(name, "route", _ROUTES)]
 
 
 def matrix_condition(

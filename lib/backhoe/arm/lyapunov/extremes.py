@@ -26,6 +26,7 @@ from backhoe.arm.dynamics.terms import Arm, Vectors
 from backhoe.arm.kinematics import joint_vector
 from backhoe.arm.lyapunov.bilinear import bilinear_norm
 from backhoe.arm.lyapunov.suprema import Domain, domain_of, largest_norm, supremum
+from backhoe.basics.inputs import choice
 from backhoe.basics.tiles import for_each_tile
 from backhoe.machine import BACKHOE, Machine
 
@@ -109,8 +110,7 @@ def constants(
     Raises:
         ValueError: an unknown domain or recipe, no posture, not 4 joints, not finite.
     """
-    if recipe not in RECIPES:
-        raise ValueError(f'recipe must be "tight" or "printed", got {recipe!r}')
+    choice(recipe, "recipe", RECIPES)
     if q is None:
         domain_of(None, domain, machine)
         found = _of_domain(domain, machine)

@@ -1,17 +1,27 @@
-"""Gains and the other arguments of the analysis, checked once."""
+"""Gains as the positive definite matrices that the analysis works with."""
 
 from __future__ import annotations
-
-from math import isfinite
-from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import instance, numbers
 from backhoe.machine import JOINTS
 
 _SYMMETRY = 1e-12
+
+
+def gain_matrices(gains: Gains) -> Gains:
+    """The three gains as matrices, shape (4, 4) each [units of `gains`].
+
+    Raises:
+        ValueError: as for `gain_matrix`.
+        TypeError: they are no Gains.
+    """
+    instance(gains, "gains", Gains, "give pid.Gains(kp=..., ki=..., kd=...)")
+    names = ("K_p", "K_i", "K_d")
+    return Gains(*(gain_matrix(gain, name) for gain, name in zip(gains, names, strict=True)))
 
 
 def gain_matrix(gain: ArrayLike, name: str) -> NDArray:
@@ -22,19 +32,17 @@ def gain_matrix(gain: ArrayLike, name: str) -> NDArray:
         name: what the error message calls it, such as "K_p".
 
     Returns:
-        The matrix, shape (4, 4), in the unit of `gain`.
+        The matrix, shape (4, 4) [unit of `gain`].
 
     Raises:
         ValueError: another shape, a value that is not finite, not symmetric, not positive definite.
     """
-    values = real_array(gain, f"{name} must be numbers for the 4 joints ({', '.join(JOINTS)})")
+    values = numbers(gain, name)
     if values.shape not in ((4,), (4, 4)):
         raise ValueError(
             f"{name} must be 4 gains ({', '.join(JOINTS)}) or a matrix (4, 4), "
             f"got shape {values.shape}"
         )
-    if not np.isfinite(values).all():
-        raise ValueError(f"{name} must be finite, got {values.tolist()}")
     if values.ndim == 1:
         if (values <= 0).any():
             joint = JOINTS[int(np.argmin(values))]
@@ -51,19 +59,3 @@ def gain_matrix(gain: ArrayLike, name: str) -> NDArray:
             f"{name} must be positive definite, but its smallest eigenvalue is {lowest:g}"
         )
     return values
-
-
-def positive(value: float, name: str, unit: str) -> float:
-    """`value` as a float.
-
-    Args:
-        value: a number.
-        name, unit: how the error message calls it and what it is measured in.
-
-    Raises:
-        ValueError: not a positive finite number.
-    """
-    good = isinstance(value, Real) and not isinstance(value, bool) and isfinite(value) and value > 0
-    if not good:
-        raise ValueError(f"{name} must be a positive number in {unit}, got {value!r}")
-    return float(value)

@@ -18,13 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.dynamics import mass_matrix
-from backhoe.arm.kinematics import joint_vector
 from backhoe.arm.lyapunov import extremes
-from backhoe.arm.lyapunov.candidate import function
+from backhoe.arm.lyapunov.candidate import State, function
 from backhoe.arm.lyapunov.certificate import Certificate, check_gains
-from backhoe.arm.lyapunov.conditions import Gains, highest, least, route_named
+from backhoe.arm.lyapunov.conditions import highest, least, route_named
 from backhoe.arm.lyapunov.extremes import Constants
-from backhoe.arm.lyapunov.gains import gain_matrix, positive
+from backhoe.arm.lyapunov.gains import gain_matrices
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import not_negative, numbers
+from backhoe.machine import JOINTS
 
 _ALPHAS = 40
 _EVERY = 7
@@ -32,13 +34,13 @@ _EVERY = 7
 
 @dataclass(frozen=True)
 class Attraction:
-    """States from which the motion ends in the goal `q_desired` (4,) [rad].
+    """States from which the motion ends in the `goal` (4,) [rad].
 
     `radius` [rad] of the ball of position errors, `level` [J] of V inside it, `alpha` [1/s] of V,
     and the `certificate` that V falls. Friction only helps; a torque limit is not counted in.
     """
 
-    q_desired: NDArray
+    goal: NDArray
     alpha: float
     radius: float
     level: float
@@ -58,7 +60,8 @@ class Attraction:
             ValueError: shapes do not fit, or a value is not finite.
         """
         machine = self.certificate.constants.machine
-        V = function(w, error, dq, self.q_desired, *self._kp_kd_ki, self.alpha, machine=machine)
+        state = State(w, error, dq, self.goal)
+        V = function(state, self.gains, self.alpha, machine=machine)
         return (V < self.level) & (np.linalg.norm(error, axis=-1) < self.radius)
 
     def ball(self, speed: float = 0.0, w: float = 0.0) -> float:
@@ -75,10 +78,8 @@ class Attraction:
         Raises:
             ValueError: speed or w is negative or not finite.
         """
-        for name, value, unit in (("speed", speed, "rad/s"), ("w", w, "rad")):
-            if not (np.isfinite(value) and value >= 0):
-                raise ValueError(f"{name} must be a bound in {unit}, 0 or more, got {value!r}")
-        c, (Kp, Kd, Ki) = self.certificate.constants, self.gains
+        speed, w = not_negative(speed, "speed", "rad/s"), not_negative(w, "w", "rad")
+        c, (Kp, Ki, Kd) = self.certificate.constants, self.gains
         stiff = highest(self.alpha * Kd + Kp - Ki / self.alpha) + c.kg
         mixed = self.alpha * c.lambda_max * speed
         taken = highest(Ki) / self.alpha * w**2 + c.lambda_max * speed**2
@@ -101,18 +102,12 @@ class Attraction:
     @property
     def w(self) -> float:
         """Largest ||w|| at rest in the goal [rad]."""
-        return float(np.sqrt(2 * self.level * self.alpha / highest(self.gains.Ki)))
-
-    @property
-    def _kp_kd_ki(self) -> tuple[NDArray, NDArray, NDArray]:
-        return self.gains.Kp, self.gains.Kd, self.gains.Ki
+        return float(np.sqrt(2 * self.level * self.alpha / highest(self.gains.ki)))
 
 
 def attraction(
-    q_desired: ArrayLike,
-    kp: ArrayLike,
-    kd: ArrayLike,
-    ki: ArrayLike,
+    goal: ArrayLike,
+    gains: Gains,
     *,
     constants: Constants | None = None,
     route: str = "matrix",
@@ -124,8 +119,8 @@ def attraction(
     constants say nothing; over all angles (`constants(domain="torus")`) nothing ends it.
 
     Args:
-        q_desired: the goal, shape (4,) [rad].
-        kp, kd, ki: gains, (4,) or symmetric (4, 4) [N m/rad, N m s/rad, N m/(rad s)].
+        goal: where the joints should be, shape (4,) [rad].
+        gains: each (4,) or symmetric (4, 4) [N m/rad, N m/(rad s), N m s/rad].
         constants: of the arm over a whole domain; None for the tight ones of the joint box.
         route: as for `check_gains`.
         alpha: number of the analysis [1/s]; None for the one that gives the highest level of V.
@@ -135,22 +130,19 @@ def attraction(
 
     Raises:
         ValueError: the gains are not certified; the goal is outside the joint box or at a limit;
-            the constants are those of single postures; a gain or q_desired is malformed.
+            the constants are those of single postures; a gain or the goal is malformed.
     """
-    goal = joint_vector(q_desired, "q_desired")
-    if goal.shape != (4,):
-        raise ValueError(f"q_desired must be one goal of 4 joints, got shape {goal.shape}")
+    goal = numbers(goal, "goal", (4,), meaning=f"one angle a joint ({', '.join(JOINTS)})")
     c = extremes.constants() if constants is None else constants
     room = _room(goal, c)
-    gains = Gains(gain_matrix(kp, "K_p"), gain_matrix(kd, "K_d"), gain_matrix(ki, "K_i"))
-    certificate = check_gains(kp, kd, ki, constants=c, route=route, alpha=alpha).require()
+    certificate = check_gains(gains, constants=c, route=route, alpha=alpha).require()
+    gains = gain_matrices(gains)
     if alpha is None:
         alpha = _best_alpha(gains, c, certificate, room)
-        certificate = check_gains(kp, kd, ki, constants=c, route=route, alpha=alpha).require()
-    alpha = positive(alpha, "alpha", "1/s")
+        certificate = check_gains(gains, constants=c, route=route, alpha=alpha).require()
     radius = min(certificate.region, room)
     level = max(0.0, _curvature(gains, c, alpha)) * radius**2 / 2
-    return Attraction(goal, alpha, float(radius), float(level), certificate, gains)
+    return Attraction(goal, float(alpha), float(radius), float(level), certificate, gains)
 
 
 def _room(goal: NDArray, c: Constants) -> float:
@@ -166,7 +158,7 @@ def _room(goal: NDArray, c: Constants) -> float:
     room = np.minimum(goal - machine.lower, machine.upper - goal)[1:].min()
     if room <= 0:
         raise ValueError(
-            f"q_desired must lie inside the joint limits, but is {-room:.4g} rad outside: "
+            f"goal must lie inside the joint limits, but is {-room:.4g} rad outside: "
             'choose another goal, or constants(domain="torus")'
         )
     return float(room)
@@ -174,7 +166,7 @@ def _room(goal: NDArray, c: Constants) -> float:
 
 def _curvature(gains: Gains, c: Constants, alpha: float) -> float:
     """mu of the module's head [N m/rad]."""
-    Kp, Kd, Ki = gains
+    Kp, Ki, Kd = gains
     fixed = alpha * Kd + Kp - Ki / alpha - c.kg * np.eye(4)
     return alpha**2 * least(fixed / alpha**2, c.over, c.machine)
 
@@ -187,12 +179,12 @@ def _best_alpha(gains: Gains, c: Constants, certificate: Certificate, room: floa
     alphas = certificate.alpha_low ** (1 - part) * certificate.alpha_high**part
 
     def level(alpha: float) -> float:
-        fixed = alpha * gains.Kd + gains.Kp - gains.Ki / alpha - c.kg * identity
+        fixed = alpha * gains.kd + gains.kp - gains.ki / alpha - c.kg * identity
         curvature = np.linalg.eigvalsh(fixed - alpha**2 * M)[:, 0].min()
         if certificate.route == "scalar":
             radius = judge.region(gains, c, alpha)
         else:
-            radius = np.linalg.eigvalsh(gains.Kd / alpha - M)[:, 0].min() / c.kc1
+            radius = np.linalg.eigvalsh(gains.kd / alpha - M)[:, 0].min() / c.kc1
         return max(0.0, curvature) * min(max(0.0, radius), room) ** 2
 
     return float(max(alphas, key=level))

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.kinematics import joint_vector
 from backhoe.arm.lyapunov.bilinear import bilinear_norm, by_turns, unfolded_bound, widest
+from backhoe.basics.inputs import choice
 from backhoe.machine import BACKHOE, Machine
 
 DOMAINS = ("box", "torus")
@@ -63,8 +64,7 @@ def domain_of(q: ArrayLike | None = None, name: str = "box", machine: Machine = 
         if not len(q):
             raise ValueError("q must hold at least one posture, got none")
         return Domain("postures", q, None, None)
-    if name not in DOMAINS:
-        raise ValueError(f'domain must be "box" or "torus", got {name!r}: give postures as q')
+    choice(name, "domain", DOMAINS)
     turn = np.array([0.0, np.pi, np.pi, np.pi])
     lower, upper = (machine.lower, machine.upper) if name == "box" else (-turn, turn)
     axes = [

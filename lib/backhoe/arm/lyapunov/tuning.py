@@ -15,12 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm.dynamics import mass_matrix, mass_matrix_derivative
 from backhoe.arm.lyapunov import extremes
 from backhoe.arm.lyapunov.certificate import Certificate, check_gains
-from backhoe.arm.lyapunov.conditions import Gains, damping_per_alpha, route_named
+from backhoe.arm.lyapunov.conditions import damping_per_alpha, route_named
 from backhoe.arm.lyapunov.extremes import Constants
-from backhoe.arm.lyapunov.gains import gain_matrix, positive
-from backhoe.arm.lyapunov.sampling import effective_inertia, sampled_radius
+from backhoe.arm.lyapunov.gains import gain_matrix
+from backhoe.arm.lyapunov.sampled_loop import effective_inertia, sampled_radius
 from backhoe.arm.lyapunov.suprema import supremum
-from backhoe.basics.inputs import real_array
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import number, numbers, positive
 from backhoe.machine import JOINTS
 
 SATURATION_ERROR = 0.2
@@ -34,15 +35,13 @@ _SHARE = 0.5
 class Tuning:
     """Gains with their certificate and their cost; vectors are per joint, shape (4,).
 
-    `kp` [N m/rad], `kd` [N m s/rad], `ki` [N m/(rad s)]; `kd_needed` is the least that the
-    conditions ask for, `kd_limit` = 2 J/dt the most that sampling bears. `spectral_radius` of the
-    sampled loop, the worst over the domain's grid. `saturation_error` [rad] and `saturation_speed`
-    [rad/s]: where K_p or K_d alone reaches the machine's torque limit.
+    Of the `gains`' kd, `kd_needed` is the least that the conditions ask for, `kd_limit` = 2 J/dt
+    the most that sampling bears [N m s/rad]. `spectral_radius` of the sampled loop, the worst over
+    the domain's grid. `saturation_error` [rad] and `saturation_speed` [rad/s]: where K_p or K_d
+    alone reaches the machine's torque limit.
     """
 
-    kp: NDArray
-    kd: NDArray
-    ki: NDArray
+    gains: Gains
     kd_needed: NDArray
     kd_limit: NDArray
     alpha: float
@@ -70,10 +69,10 @@ class Tuning:
             f"{'joint':<8}{'K_p':>10}{'K_d':>10}{'K_i':>10}{'K_d needed':>12}{'K_d limit':>11}"
             f"{'full at e, rad':>16}{'full at dq, rad/s':>19}"
         )
-        lines = [head]
+        lines, (kp, ki, kd) = [head], self.gains
         for j, joint in enumerate(JOINTS):
             lines.append(
-                f"{joint:<8}{self.kp[j]:>10.3g}{self.kd[j]:>10.3g}{self.ki[j]:>10.3g}"
+                f"{joint:<8}{kp[j]:>10.3g}{kd[j]:>10.3g}{ki[j]:>10.3g}"
                 f"{self.kd_needed[j]:>12.3g}{self.kd_limit[j]:>11.3g}"
                 f"{self.saturation_error[j]:>16.3g}{self.saturation_speed[j]:>19.3g}"
             )
@@ -127,9 +126,7 @@ def tune(
     c = extremes.constants() if constants is None else constants
     judge = route_named(route)
     error, dt = positive(error, "error", "rad"), positive(dt, "dt", "s")
-    damping = positive(damping, "damping", "parts of the critical")
-    if not positive(margin, "margin", "parts of the bound") > 1:
-        raise ValueError(f"margin must be above 1, got {margin!r}")
+    damping, margin = positive(damping, "damping"), number(margin, "margin", above=1.0)
     kp = c.machine.torque_limit / SATURATION_ERROR if kp is None else _vector(kp, "K_p")
     left = kp - c.kg
     if left.min() <= 0:
@@ -143,18 +140,16 @@ def tune(
     wanted = left / INTEGRAL_TIME if ki is None else _vector(ki, "K_i")
     if route == "scalar" and ki is None:
         wanted = np.full(4, wanted.min())
-    alpha = margin * judge.alpha_low(Gains(np.diag(kp), np.eye(4), np.diag(wanted)), c)
+    alpha = margin * judge.alpha_low(Gains(np.diag(kp), np.diag(wanted), np.eye(4)), c)
     needed = margin * alpha * shape
     if ki is None:
         less = min(1.0, _SHARE * float((limit / needed).min()))
         wanted, alpha, needed = less * wanted, less * alpha, less * needed
     kd = np.maximum(needed, 2 * damping * np.sqrt(kp * _heaviest_diagonal(c)))
-    certificate = check_gains(kp, kd, wanted, constants=c, route=route, error=error, alpha=alpha)
-    radius = sampled_radius(kp, kd, wanted, c.over.q, dt, machine=c.machine).max()
-    torque = c.machine.torque_limit
-    return Tuning(
-        kp, kd, wanted, needed, limit, alpha, certificate, float(radius), torque / kp, torque / kd
-    )
+    gains, torque = Gains(kp, wanted, kd), c.machine.torque_limit
+    certificate = check_gains(gains, constants=c, route=route, error=error, alpha=alpha)
+    radius = float(sampled_radius(gains, c.over.q, dt, machine=c.machine).max())
+    return Tuning(gains, needed, limit, alpha, certificate, radius, torque / kp, torque / kd)
 
 
 def _shape(route: str, error: float, c: Constants) -> NDArray:
@@ -191,8 +186,6 @@ def _least_inertia(c: Constants) -> NDArray:
 
 def _vector(gain: ArrayLike, name: str) -> NDArray:
     """One positive gain a joint."""
-    values = real_array(gain, f"{name} must be 4 numbers")
-    if values.shape != (4,):
-        raise ValueError(f"{name} must be 4 gains, one a joint, got shape {values.shape}")
+    values = numbers(gain, name, (4,), meaning="gains, one a joint")
     gain_matrix(values, name)
     return values

@@ -15,11 +15,14 @@ from numpy.typing import ArrayLike, NDArray
 
 
 class Gains(NamedTuple):
-    """Gains of the four joints: kp [N m/rad], ki [N m/(rad s)], kd [N m s/rad], shape (4,) each."""
+    """Gains of the four joints: kp [N m/rad], ki [N m/(rad s)], kd [N m s/rad], shape (4,) each.
 
-    kp: tuple[float, ...]
-    ki: tuple[float, ...]
-    kd: tuple[float, ...]
+    Batches of runs have shape (n, 4) each, the analysis of stability also takes matrices (4, 4).
+    """
+
+    kp: ArrayLike
+    ki: ArrayLike
+    kd: ArrayLike
 
 
 ARM_GAINS = Gains(

@@ -20,6 +20,7 @@ from backhoe.view.plots.style import BLUE, COLOURS, DARK, GREEN, GREY, KINDS, RE
 if TYPE_CHECKING:
     from backhoe.arm.lyapunov import Certificate, Profile
     from backhoe.arm.movement import Movement
+    from backhoe.arm.pid import Gains
 
 _JOINT_COLOURS = dict(zip(JOINTS, COLOURS, strict=False))
 _PHASE, _RAN_AWAY = "#f1f1f1", "#3a3a3a"
@@ -150,11 +151,11 @@ def margins(conditions: Mapping[str, tuple[float, float]]) -> Figure:
     return fig
 
 
-def gain_demands(kp: ArrayLike, kd: ArrayLike, ki: ArrayLike, machine: Machine = BACKHOE) -> Figure:
+def gain_demands(gains: Gains, machine: Machine = BACKHOE) -> Figure:
     """All demands on gains as `margins`: proof by two routes, drives, clock and memory.
 
     Args:
-        kp, kd, ki: gains, shape (4,) [N m/rad, N m s/rad, N m/(rad s)].
+        gains: shape (4,) each [N m/rad, N m/(rad s), N m s/rad].
         machine: the arm.
 
     Raises:
@@ -163,10 +164,10 @@ def gain_demands(kp: ArrayLike, kd: ArrayLike, ki: ArrayLike, machine: Machine =
     from backhoe.arm import lyapunov
 
     arm = lyapunov.constants(machine=machine)
-    scalar, matrix = (lyapunov.check_gains(kp, kd, ki, constants=arm, route=r) for r in _ROUTES)
+    scalar, matrix = (lyapunov.check_gains(gains, constants=arm, route=r) for r in _ROUTES)
     postures = np.random.default_rng(0).uniform(machine.lower, machine.upper, (400, 4))
-    fastest = _damping_rate(kd, postures, machine)
-    kp, kd, ki = (np.asarray(gain, dtype=float) for gain in (kp, kd, ki))
+    fastest = _damping_rate(gains.kd, postures, machine)
+    kp, ki, kd = (np.asarray(gain, dtype=float) for gain in gains)
     return margins(
         {
             "springs beat gravity (3.13)": (kp.min(), arm.kg),

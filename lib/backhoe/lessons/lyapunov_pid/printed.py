@@ -1,8 +1,7 @@
 """The thesis's stability analysis where its print is wrong: (3.5) to (3.34), (A.8). Not for use.
 
-Lesson 03 tries each on random states; `backhoe.arm.lyapunov` has what holds. Gains are (4,) or
-symmetric (4, 4); `constants` are those of `lyapunov.constants`, or the printed numbers put in their
-place.
+Lesson 03 tries each on random states; `backhoe.arm.lyapunov` has what holds. `constants` are those
+of `lyapunov.constants`, or the printed numbers put in their place.
 
 Reference: Mastalli 2013, sections 3.1, 3.2, 3.4.1 and Appendix A.1.
 """
@@ -14,8 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.dynamics import coriolis_matrix, gravity_torque, mass_matrix
 from backhoe.arm.kinematics import joint_vector
-from backhoe.arm.lyapunov import Constants, function
-from backhoe.arm.lyapunov.gains import gain_matrix, positive
+from backhoe.arm.lyapunov import Constants, State, function
+from backhoe.arm.lyapunov.candidate import checked_state
+from backhoe.arm.lyapunov.conditions import highest, lowest
+from backhoe.arm.lyapunov.gains import gain_matrices, gain_matrix
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import positive
 from backhoe.machine import BACKHOE, Machine
 
 __all__ = [
@@ -38,10 +41,8 @@ def closed_loop_rate_35(
     z: ArrayLike,
     error: ArrayLike,
     dq: ArrayLike,
-    q_desired: ArrayLike,
-    kp: ArrayLike,
-    kd: ArrayLike,
-    ki: ArrayLike,
+    goal: ArrayLike,
+    gains: Gains,
     *,
     machine: Machine = BACKHOE,
 ) -> tuple[NDArray, NDArray, NDArray]:
@@ -49,108 +50,80 @@ def closed_loop_rate_35(
 
     Args:
         z, error, dq: state, shape (..., 4) each [rad s, rad, rad/s].
-        q_desired: the goal, shape (..., 4) [rad].
-        kp, kd, ki: gains [N m/rad, N m s/rad, N m/(rad s)].
+        goal: where the joints should be, shape (..., 4) [rad].
+        gains: each (4,) or symmetric (4, 4) [N m/rad, N m/(rad s), N m s/rad].
 
     Returns:
         dz/dt [rad], dq~/dt [rad/s], ddq [rad/s^2], shape (..., 4) each.
 
     Raises:
         ValueError: the last axis is not 4, a value is not finite, a gain is not positive definite.
+        TypeError: gains are no Gains.
     """
-    z, error, dq = joint_vector(z, "z"), joint_vector(error, "error"), joint_vector(dq, "dq")
-    Kp, Kd, Ki = gain_matrix(kp, "K_p"), gain_matrix(kd, "K_d"), gain_matrix(ki, "K_i")
+    Kp, Ki, Kd = gain_matrices(gains)
+    z, error, dq, goal = checked_state(State(z, error, dq, goal))
     torque = error @ Kp + dq @ Kd + z @ Ki
-    return error, -dq, _acceleration(torque, error, dq, joint_vector(q_desired), machine)
+    return error, -dq, _acceleration(torque, error, dq, goal, machine)
 
 
 def closed_loop_rate_37(
-    w: ArrayLike,
-    error: ArrayLike,
-    dq: ArrayLike,
-    q_desired: ArrayLike,
-    kp: ArrayLike,
-    kd: ArrayLike,
-    ki: ArrayLike,
-    alpha: float,
-    *,
-    machine: Machine = BACKHOE,
+    state: State, gains: Gains, alpha: float, *, machine: Machine = BACKHOE
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Rate of (w, q~, dq) as printed in (3.7), with + K_d dq.
 
     Args:
-        w, error, dq: state, shape (..., 4) each [rad, rad, rad/s].
-        q_desired, kp, kd, ki: as for `closed_loop_rate_35`.
+        state: w, error, dq and goal, shape (..., 4) each [rad, rad, rad/s, rad].
+        gains: as for `closed_loop_rate_35`.
         alpha: number of the analysis [1/s].
 
     Returns:
         dw/dt [rad/s], dq~/dt [rad/s], ddq [rad/s^2], shape (..., 4) each.
 
     Raises:
-        ValueError: as for `closed_loop_rate_35`.
+        ValueError, TypeError: as for `lyapunov.closed_loop_rate`.
     """
-    w, error, dq = joint_vector(w, "w"), joint_vector(error, "error"), joint_vector(dq, "dq")
-    Kp, Kd, Ki = gain_matrix(kp, "K_p"), gain_matrix(kd, "K_d"), gain_matrix(ki, "K_i")
+    (w, error, dq, goal), (Kp, Ki, Kd) = checked_state(state), gain_matrices(gains)
     alpha = positive(alpha, "alpha", "1/s")
     torque = error @ (Kp - Ki / alpha) + dq @ Kd + w @ Ki / alpha
-    ddq = _acceleration(torque, error, dq, joint_vector(q_desired), machine)
-    return alpha * error - dq, -dq, ddq
+    return alpha * error - dq, -dq, _acceleration(torque, error, dq, goal, machine)
 
 
-def function_38(
-    w: ArrayLike,
-    error: ArrayLike,
-    dq: ArrayLike,
-    q_desired: ArrayLike,
-    kp: ArrayLike,
-    kd: ArrayLike,
-    ki: ArrayLike,
-    alpha: float,
-    *,
-    machine: Machine = BACKHOE,
-) -> NDArray:
+def function_38(state: State, gains: Gains, alpha: float, *, machine: Machine = BACKHOE) -> NDArray:
     """V with the state vector printed in (3.8), which ends in dq~/dt = -dq; (3.14) has dq.
 
     Args:
-        w, error, dq, q_desired, kp, kd, ki, alpha: as for `closed_loop_rate_37`.
+        state, gains, alpha: as for `closed_loop_rate_37`.
 
     Returns:
         Shape (...) [J].
 
     Raises:
-        ValueError: as for `closed_loop_rate_35`.
+        ValueError, TypeError: as for `lyapunov.function`.
     """
-    return function(
-        w, error, -joint_vector(dq, "dq"), q_desired, kp, kd, ki, alpha, machine=machine
-    )
+    state = checked_state(state)
+    return function(state._replace(dq=-state.dq), gains, alpha, machine=machine)
 
 
 def term_310(
-    error: ArrayLike,
-    q_desired: ArrayLike,
-    kp: ArrayLike,
-    ki: ArrayLike,
-    alpha: float,
-    *,
-    machine: Machine = BACKHOE,
+    error: ArrayLike, goal: ArrayLike, gains: Gains, alpha: float, *, machine: Machine = BACKHOE
 ) -> NDArray:
     """(3.10): said to be (3.9), it adds two vectors of torques to an energy.
 
     Args:
-        error: shape (..., 4) [rad].
-        q_desired, kp, ki, alpha: as for `closed_loop_rate_37`.
+        error, goal: shape (..., 4) each [rad].
+        gains, alpha: as for `closed_loop_rate_37`.
 
     Returns:
-        The sum taken as written, the energy added to every component, shape (..., 4).
+        The sum taken as written, the energy added to every component, shape (..., 4) [J and N m].
 
     Raises:
-        ValueError: as for `closed_loop_rate_35`.
+        ValueError, TypeError: as for `closed_loop_rate_35`.
     """
-    error, q_desired = joint_vector(error, "error"), joint_vector(q_desired, "q_desired")
-    stiffness = gain_matrix(kp, "K_p") - gain_matrix(ki, "K_i") / positive(alpha, "alpha", "1/s")
+    error, goal = joint_vector(error, "error"), joint_vector(goal, "goal")
+    Kp, Ki, _ = gain_matrices(gains)
+    stiffness = Kp - Ki / positive(alpha, "alpha", "1/s")
     energy = (error * (error @ stiffness)).sum(axis=-1, keepdims=True) / 2
-    here, goal = gravity_torque(q_desired - error, machine), gravity_torque(q_desired, machine)
-    return energy + here + goal
+    return energy + gravity_torque(goal - error, machine) + gravity_torque(goal, machine)
 
 
 def kp_condition_312(kp: ArrayLike, ki: ArrayLike, constants: Constants) -> bool:
@@ -199,31 +172,23 @@ def weight_322(dq: ArrayLike, kd: ArrayLike, alpha: float, constants: Constants)
     return _lowest(kd, "K_d") - positive(alpha, "alpha", "1/s") * inertia
 
 
-def derivative_bound_320(
-    error: ArrayLike,
-    dq: ArrayLike,
-    kp: ArrayLike,
-    kd: ArrayLike,
-    ki: ArrayLike,
-    alpha: float,
-    constants: Constants,
-) -> NDArray:
+def derivative_bound_320(state: State, gains: Gains, alpha: float, constants: Constants) -> NDArray:
     """(3.20) with (3.21) and the printed (3.22): said to be above dV/dt.
 
     Args:
-        error, dq: state, shape (..., 4) each [rad, rad/s].
-        kp, kd, ki, alpha: as for `closed_loop_rate_37`.
+        state, gains, alpha: as for `closed_loop_rate_37`.
 
     Returns:
-        Shape (...).
+        Shape (...) [W, but for the printed letter].
 
     Raises:
-        ValueError: as for `closed_loop_rate_35`.
+        ValueError, TypeError: as for `closed_loop_rate_35`.
     """
-    W11 = alpha * (_lowest(kp, "K_p") - constants.kg) - _highest(ki, "K_i")
-    error_size = np.linalg.norm(joint_vector(error, "error"), axis=-1)
-    speed = np.linalg.norm(joint_vector(dq, "dq"), axis=-1)
-    return -W11 * error_size**2 - weight_322(dq, kd, alpha, constants) * speed**2
+    (_, error, dq, _), gains = checked_state(state), gain_matrices(gains)
+    W11 = alpha * (lowest(gains.kp) - constants.kg) - highest(gains.ki)
+    sizes = np.linalg.norm(error, axis=-1), np.linalg.norm(dq, axis=-1)
+    W22 = weight_322(dq, gains.kd, alpha, constants)
+    return -W11 * sizes[0] ** 2 - W22 * sizes[1] ** 2
 
 
 def alpha_limits_323(
@@ -247,20 +212,21 @@ def alpha_limits_323(
     return low, stiff / (constants.lambda_max + constants.kc1 * speed)
 
 
-def speed_bound_324(kp: ArrayLike, kd: ArrayLike, ki: ArrayLike, constants: Constants) -> float:
+def speed_bound_324(gains: Gains, constants: Constants) -> float:
     """(3.24) = (3.29): said to bound ||dq|| [rad/s]. It bounds ||q~|| [rad].
 
     Args:
-        kp, kd, ki: gains [N m/rad, N m s/rad, N m/(rad s)].
+        gains: as for `closed_loop_rate_35`.
 
     Returns:
         The right side, whose unit is none.
 
     Raises:
-        ValueError: a gain is not positive definite.
+        ValueError, TypeError: as for `closed_loop_rate_35`.
     """
-    stiff = _lowest(kp, "K_p") - constants.kg
-    return (_lowest(kd, "K_d") * stiff / _highest(ki, "K_i") - constants.lambda_max) / constants.kc1
+    Kp, Ki, Kd = gain_matrices(gains)
+    stiff = lowest(Kp) - constants.kg
+    return (lowest(Kd) * stiff / highest(Ki) - constants.lambda_max) / constants.kc1
 
 
 def kd_bound_334(kp: ArrayLike, ki: ArrayLike, constants: Constants) -> float:
@@ -302,17 +268,17 @@ def coriolis_bound_a8(
 
 
 def _acceleration(
-    torque: NDArray, error: NDArray, dq: NDArray, q_desired: NDArray, machine: Machine
+    torque: NDArray, error: NDArray, dq: NDArray, goal: NDArray, machine: Machine
 ) -> NDArray:
-    q = q_desired - error
+    q = goal - error
     turned = (coriolis_matrix(q, dq, machine) @ dq[..., None])[..., 0]
-    force = torque + gravity_torque(q_desired, machine) - turned - gravity_torque(q, machine)
+    force = torque + gravity_torque(goal, machine) - turned - gravity_torque(q, machine)
     return np.linalg.solve(mass_matrix(q, machine), force[..., None])[..., 0]
 
 
 def _lowest(gain: ArrayLike, name: str) -> float:
-    return float(np.linalg.eigvalsh(gain_matrix(gain, name))[0])
+    return lowest(gain_matrix(gain, name))
 
 
 def _highest(gain: ArrayLike, name: str) -> float:
-    return float(np.linalg.eigvalsh(gain_matrix(gain, name))[-1])
+    return highest(gain_matrix(gain, name))

@@ -68,14 +68,14 @@ def _forgets(kp: NDArray, ki: NDArray) -> str:
 
 def _clock(kp: NDArray, kd: NDArray, ki: NDArray) -> str:
     postures = np.random.default_rng(0).uniform(BACKHOE.lower, BACKHOE.upper, (400, 4))
-    radius = lyapunov.sampled_radius(kp, kd, ki, postures).max()
+    radius = lyapunov.sampled_radius(pid.Gains(kp, ki, kd), postures).max()
     if radius < 1:
         return ""
     return f"clock: at 1 kHz a deviation grows {radius:.3g} times a millisecond: lower K_d"
 
 
 def _proof(kp: NDArray, kd: NDArray, ki: NDArray) -> bool | str:
-    judged = lyapunov.check_gains(kp, kd, ki, route="matrix", error=REGION)
+    judged = lyapunov.check_gains(pid.Gains(kp, ki, kd), route="matrix", error=REGION)
     if judged.holds:
         return True
     failed = judged.failed[0]
@@ -91,8 +91,8 @@ def _printed(name: str) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
 
 
 def _by_extremes() -> tuple[NDArray, NDArray, NDArray]:
-    tuning = lyapunov.tune("scalar")
-    return tuning.kp, tuning.kd, tuning.ki
+    kp, ki, kd = lyapunov.tune("scalar").gains
+    return kp, kd, ki
 
 
 def _in_another_order() -> tuple[NDArray, NDArray, NDArray]:
@@ -114,7 +114,7 @@ TUNED = Exercise(
     hints=(
         "K_p from the drives: torque limit / 0.05 rad is the most, 54 kN m / 1 deg the boom's "
         "least",
-        'then lyapunov.tune("matrix", kp=kp, ki=kp / 9, error=0.5) finds K_d; see its .kd',
+        'then lyapunov.tune("matrix", kp=kp, ki=kp / 9, error=0.5) finds K_d; see its .gains.kd',
     ),
     mistakes={
         "those are the gains of (3.33): the boom is too soft, and at 1 kHz the bucket shakes": (

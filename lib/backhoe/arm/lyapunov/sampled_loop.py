@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm.dynamics import mass_matrix
 from backhoe.arm.kinematics import joint_vector
 from backhoe.arm.lyapunov.extremes import gravity_slope
-from backhoe.arm.lyapunov.gains import gain_matrix, positive
+from backhoe.arm.lyapunov.gains import gain_matrices
 from backhoe.arm.lyapunov.suprema import domain_of, supremum
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import positive
 from backhoe.machine import BACKHOE, Machine
 
 _SERIES = 8
@@ -46,13 +48,7 @@ def effective_inertia(
 
 
 def sampled_radius(
-    kp: ArrayLike,
-    kd: ArrayLike,
-    ki: ArrayLike,
-    q: ArrayLike,
-    dt: float = 0.001,
-    *,
-    machine: Machine = BACKHOE,
+    gains: Gains, q: ArrayLike, dt: float = 0.001, *, machine: Machine = BACKHOE
 ) -> NDArray:
     """Spectral radius of the sampled closed loop near postures: below 1 it is stable there.
 
@@ -60,7 +56,7 @@ def sampled_radius(
     of `pid.PID` is held: tau = - K_p x - K_d dx - K_i s, s' = s + dt x, of the present sample.
 
     Args:
-        kp, kd, ki: gains, (4,) or symmetric (4, 4) [N m/rad, N m s/rad, N m/(rad s)].
+        gains: each (4,) or symmetric (4, 4) [N m/rad, N m/(rad s), N m s/rad].
         q: postures, shape (..., 4) [rad].
         dt: time for which a torque is held [s].
 
@@ -70,7 +66,7 @@ def sampled_radius(
     Raises:
         ValueError: a gain is not positive definite, dt not positive, q not (..., 4) and finite.
     """
-    Kp, Kd, Ki = gain_matrix(kp, "K_p"), gain_matrix(kd, "K_d"), gain_matrix(ki, "K_i")
+    Kp, Ki, Kd = gain_matrices(gains)
     q, dt = joint_vector(q), positive(dt, "dt", "s")
     M, H = mass_matrix(q, machine), gravity_slope(q, machine=machine)
     flow, push = _held(M, H, dt)

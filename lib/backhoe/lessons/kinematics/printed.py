@@ -81,15 +81,10 @@ def link_transforms(q: ArrayLike, machine: Machine = BACKHOE) -> NDArray:
 def linear_jacobians(q: ArrayLike, machine: Machine = BACKHOE) -> NDArray:
     """J_L1 to J_L4 as printed in (A.17), with its footnotes 2 to 4.
 
-    Args:
-        q: joint angles swing, boom, stick, bucket, shape (..., 4) [rad].
-        machine: lengths [m] and angle offsets [rad].
+    Arguments and errors: as for `link_transforms`.
 
     Returns:
-        Shape (..., 4, 3, 4): matrix, row, column; meant as m/rad.
-
-    Raises:
-        ValueError: last axis of q is not 4, or a value is not finite.
+        Shape (..., 4, 3, 4): matrix, row, column; meant as [m/rad].
     """
     s = _symbols(q, machine)
     o = np.zeros_like(s.c1)
@@ -121,14 +116,10 @@ def linear_jacobians(q: ArrayLike, machine: Machine = BACKHOE) -> NDArray:
 def angular_jacobians(q: ArrayLike) -> NDArray:
     """J_w1 to J_w4 as printed in (A.18).
 
-    Args:
-        q: joint angles swing, boom, stick, bucket, shape (..., 4) [rad].
+    Arguments and errors: as for `link_transforms`.
 
     Returns:
-        Shape (..., 4, 3, 4): matrix, row, column.
-
-    Raises:
-        ValueError: last axis of q is not 4, or a value is not finite.
+        Shape (..., 4, 3, 4): matrix, row, column [1].
     """
     s = _symbols(q, BACKHOE)
     o, one = np.zeros_like(s.c1), np.ones_like(s.c1)
@@ -144,11 +135,11 @@ def inverse_24(J: ArrayLike, damping: float) -> NDArray:
     """(J + lambda^2 I)^-1, the inverse of (2.4).
 
     Args:
-        J: square Jacobian, shape (..., n, n).
-        damping: lambda.
+        J: square Jacobian, shape (..., n, n) [m/rad].
+        damping: lambda, whose square is printed as if it were a J.
 
     Returns:
-        Shape (..., n, n).
+        Shape (..., n, n) [rad/m].
 
     Raises:
         ValueError: J is not square, so that the printed sum is not defined.
@@ -161,15 +152,7 @@ def inverse_24(J: ArrayLike, damping: float) -> NDArray:
 def inverse_25(J: ArrayLike, damping: float) -> NDArray:
     """V (D + lambda^2 I)^-1 U^T, the middle of (2.5).
 
-    Args:
-        J: square Jacobian, shape (..., n, n).
-        damping: lambda.
-
-    Returns:
-        Shape (..., n, n).
-
-    Raises:
-        ValueError: J is not square, so that the printed sum is not defined.
+    Arguments, returns and ValueError: as for `inverse_24`.
     """
     U, sigma, Vt = np.linalg.svd(_square(J))
     V, Ut = np.swapaxes(Vt, -1, -2), np.swapaxes(U, -1, -2)

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
+from backhoe.basics.angles import wrap
 from backhoe.lessons.exercise import Exercise
 from backhoe.machine import BACKHOE, Machine, replace
 
 OFFSETS = np.array([link.angle_offset for link in BACKHOE.links])
-LENGTHS = np.array([link.length for link in BACKHOE.links])
-
-
-def random_postures(rng: np.random.Generator, count: int) -> NDArray:
-    """Joint angles within the limits, shape (count, 4) [rad]."""
-    return rng.uniform(BACKHOE.lower, BACKHOE.upper, (count, 4))
+_LENGTHS = np.array([link.length for link in BACKHOE.links])
+_HINGE = np.array([BACKHOE.swing.offset, BACKHOE.base.height + BACKHOE.swing.height, 0.0])
 
 
 def joint_angles(direction: float, pitches: ArrayLike) -> NDArray:
@@ -29,25 +28,22 @@ def _angle_cases(rng: np.random.Generator) -> list[tuple]:
     return [(rng.uniform(-1.5, 3.0), rng.uniform((-0.6, -2, -4), (1, -1, -0.5))) for _ in range(40)]
 
 
-def _angles(direction: float, turns: NDArray, sign: float = -1.0) -> NDArray:
-    return np.append(direction - np.pi / 2, turns + sign * OFFSETS)
+def _plus_offsets(times: float) -> Callable[[float, NDArray], NDArray]:
+    return lambda *given: joint_angles(*given) + times * np.append(0.0, OFFSETS)
 
 
 ANGLES = Exercise(
     number="1.1",
     title="From what you see to what you set",
     reference=joint_angles,
+    oracle="seen_by_the_forward_kinematics",
     cases=_angle_cases,
     mistakes={
         "a joint turns its link relative to the link before it: take the difference of pitches": (
-            lambda direction, pitches: _angles(direction, np.asarray(pitches))
+            lambda direction, pitches: joint_angles(direction, np.cumsum(pitches))
         ),
-        "q* = q + offset, so q = q* - offset: you have added the offsets": (
-            lambda direction, pitches: _angles(direction, np.diff(pitches, prepend=0.0), 1.0)
-        ),
-        "these are q*, the angles of the table: take the offsets off to get q": (
-            lambda direction, pitches: _angles(direction, np.diff(pitches, prepend=0.0), 0.0)
-        ),
+        "q* = q + offset, so q = q* - offset: you have added the offsets": _plus_offsets(2),
+        "these are q*, the angles of the table: take the offsets off to get q": _plus_offsets(1),
         "at q1 = 0 the arm points left, not forward: q1* = q1 + pi/2": (
             lambda direction, pitches: joint_angles(direction + np.pi / 2, pitches)
         ),
@@ -55,7 +51,7 @@ ANGLES = Exercise(
             lambda direction, pitches: joint_angles(direction + np.pi, pitches)
         ),
         "these are degrees: everything inside the course is in radians": (
-            lambda direction, pitches: np.degrees(joint_angles(direction, pitches))
+            lambda *given: np.degrees(joint_angles(*given))
         ),
     },
     hints=(
@@ -77,56 +73,47 @@ def side_view(q: ArrayLike) -> NDArray:
     return np.array([r, z, pitch])
 
 
-def _side(pitches: NDArray, pitch: float, lengths: NDArray = LENGTHS) -> NDArray:
-    r = BACKHOE.swing.offset + lengths @ np.cos(pitches)
-    z = BACKHOE.base.height + BACKHOE.swing.height + lengths @ np.sin(pitches)
-    return np.array([r, z, pitch])
+def _side(
+    pitches: Callable = lambda q: np.cumsum(q[1:] + OFFSETS), lengths: NDArray = _LENGTHS
+) -> Callable[[NDArray], NDArray]:
+    def view(q: NDArray) -> NDArray:
+        seen = pitches(q)
+        return np.add(_HINGE, (lengths @ np.cos(seen), lengths @ np.sin(seen), seen[-1]))
+
+    return view
 
 
-def _wrapped(q: NDArray) -> NDArray:
-    r, z, pitch = side_view(q)
-    return np.array([r, z, (pitch + np.pi) % (2 * np.pi) - np.pi])
-
-
-def _pitches(q: NDArray) -> NDArray:
-    return np.cumsum(q[1:] + OFFSETS)
-
-
-def _swapped(q: NDArray) -> NDArray:
-    r, z, pitch = _side(np.pi / 2 - _pitches(q), _pitches(q)[-1])
-    return np.array([r, z, pitch])
+def _less(rho: float, z: float) -> Callable[[NDArray], NDArray]:
+    return lambda q: side_view(q) - (rho, z, 0.0)
 
 
 SIDE_VIEW = Exercise(
     number="1.2",
     title="The teeth seen from the side",
     reference=side_view,
-    cases=lambda rng: [(q,) for q in random_postures(rng, 60)],
+    oracle="tip_in_the_plane_of_the_arm",
+    cases=lambda rng: [(q,) for q in rng.uniform(BACKHOE.lower, BACKHOE.upper, (60, 4))],
     mistakes={
         "each link is pitched by the sum of all q* up to it, not by its own q* alone": (
-            lambda q: _side(q[1:] + OFFSETS, q[3] + OFFSETS[2])
+            _side(lambda q: q[1:] + OFFSETS)
         ),
-        "the offsets of Table A.1 are missing: q* = q + offset": (
-            lambda q: _side(np.cumsum(q[1:]), q[1:].sum())
-        ),
+        "the offsets of Table A.1 are missing: q* = q + offset": _side(lambda q: np.cumsum(q[1:])),
         "the height counts from the ground: add the base's height L0": (
-            lambda q: side_view(q) - (0, BACKHOE.base.height, 0)
+            _less(0.0, BACKHOE.base.height)
         ),
-        "the boom's joint is L0 + L1 above the ground: add both": (
-            lambda q: side_view(q) - (0, BACKHOE.base.height + BACKHOE.swing.height, 0)
-        ),
-        "the boom's joint is b1 away from the swing axis: start rho there": (
-            lambda q: side_view(q) - (BACKHOE.swing.offset, 0, 0)
-        ),
+        "the boom's joint is L0 + L1 above the ground: add both": _less(0.0, _HINGE[1]),
+        "the boom's joint is b1 away from the swing axis: start rho there": _less(_HINGE[0], 0.0),
         "rho counts from the swing axis, which is b0 ahead of the base's origin: leave b0 out": (
-            lambda q: side_view(q) - (-BACKHOE.base.offset, 0, 0)
+            _less(-BACKHOE.base.offset, 0.0)
         ),
         "right but for whole turns of the pitch: leave it as the sum of the q*, do not wrap it": (
-            _wrapped
+            lambda q: np.append(side_view(q)[:2], wrap(side_view(q)[2]))
         ),
-        "sine and cosine are swapped: pitch 0 is level": _swapped,
+        "sine and cosine are swapped: pitch 0 is level": (
+            lambda q: _HINGE + (side_view(q) - _HINGE)[[1, 0, 2]]
+        ),
         "that is the bucket's pin: one more length L4 leads to the teeth": (
-            lambda q: _side(_pitches(q), _pitches(q)[-1], LENGTHS * (1, 1, 0))
+            _side(lengths=_LENGTHS * (1, 1, 0))
         ),
     },
     hints=(
@@ -150,55 +137,38 @@ def nearly_deep_enough(answer: float, reference: float, machine: Machine) -> boo
     """Compare depths to 3 cm; a search that only just misses is told so."""
     if np.shape(answer) != ():
         return "one depth for the machine is asked, a single number [m]"
-    if abs(answer - reference) <= 0.03:
-        return True
-    if 0 < reference - answer < 0.15:
+    if 0.03 < reference - answer < 0.15:
         return "nearly: some postures between yours reach a little deeper, so try more of them"
-    return False
+    return abs(answer - reference) <= 0.03
 
 
-def _depth_cases(rng: np.random.Generator) -> list[tuple]:
-    machines = []
-    for _ in range(4):
-        scale = rng.uniform(0.75, 1.3, 3)
-        boom, stick, bucket = (
-            replace(link, length=link.length * factor)
-            for link, factor in zip(BACKHOE.links, scale, strict=True)
-        )
-        joint = replace(boom.joint, lower=np.radians(rng.uniform(-45.0, -25.0)))
-        boom = replace(boom, joint=joint)
-        machines.append((replace(BACKHOE, boom=boom, stick=stick, bucket=bucket),))
-    return machines
+def _other_machine(rng: np.random.Generator) -> Machine:
+    boom, stick, bucket = (
+        replace(link, length=link.length * rng.uniform(0.75, 1.3)) for link in BACKHOE.links
+    )
+    joint = replace(boom.joint, lower=np.radians(rng.uniform(-45.0, -25.0)))
+    return replace(BACKHOE, boom=replace(boom, joint=joint), stick=stick, bucket=bucket)
 
 
 def _height(machine: Machine) -> float:
     return machine.base.height + machine.swing.height
 
 
-def _held(machine: Machine, joint: int) -> float:
-    """Depth with one joint kept at zero."""
-    link = machine.links[joint - 1]
-    stiff = replace(link, joint=replace(link.joint, lower=-1e-9, upper=1e-9))
-    return dig_depth(replace(machine, **{("boom", "stick", "bucket")[joint - 1]: stiff}))
+def _depth_with(name: str, change: Callable) -> Callable[[Machine], float]:
+    """Depth of the machine with one link changed."""
+    return lambda machine: dig_depth(replace(machine, **{name: change(getattr(machine, name))}))
 
 
-def _with_joints_of(machine: Machine) -> Machine:
-    boom, stick, bucket = (
-        replace(link, joint=other.joint)
-        for link, other in zip(BACKHOE.links, machine.links, strict=True)
-    )
-    return replace(BACKHOE, boom=boom, stick=stick, bucket=bucket)
-
-
-def _depth_of_pin(machine: Machine) -> float:
-    return dig_depth(replace(machine, bucket=replace(machine.bucket, length=1e-9)))
+def _stiff(link: object) -> object:
+    return replace(link, joint=replace(link.joint, lower=-1e-9, upper=1e-9))
 
 
 DEPTH = Exercise(
     number="1.3",
     title="How deep does it dig?",
     reference=dig_depth,
-    cases=_depth_cases,
+    oracle="hanging_from_the_lowest_boom",
+    cases=lambda rng: [(_other_machine(rng),) for _ in range(4)],
     mistakes={
         "the boom does not hang straight down: keep every joint within its limits": (
             lambda machine: sum(link.length for link in machine.links) - _height(machine)
@@ -209,8 +179,12 @@ DEPTH = Exercise(
         (
             "the limits are the given machine's, the lengths are not: pass machine=machine to "
             "forward_kinematics"
-        ): lambda machine: dig_depth(_with_joints_of(machine)),
-        "that is the depth of the bucket's pin: the teeth reach further": _depth_of_pin,
+        ): lambda machine: _depth_with("boom", lambda link: replace(link, joint=machine.joints[1]))(
+            BACKHOE
+        ),
+        "that is the depth of the bucket's pin: the teeth reach further": (
+            _depth_with("bucket", lambda link: replace(link, length=1e-9))
+        ),
         "that is the depth below the boom's joint: the ground is L0 + L1 below it": (
             lambda machine: dig_depth(machine) + _height(machine)
         ),
@@ -218,10 +192,10 @@ DEPTH = Exercise(
             lambda machine: -dig_depth(machine)
         ),
         "the bucket joint stays at zero in your search: let it turn as well": (
-            lambda machine: _held(machine, 3)
+            _depth_with("bucket", _stiff)
         ),
         "the stick joint stays at zero in your search: let it turn as well": (
-            lambda machine: _held(machine, 2)
+            _depth_with("stick", _stiff)
         ),
     },
     hints=(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,42 +19,38 @@ def track_matrix(heading: float) -> NDArray:
     return np.array([[x, x], [y, y], [r / gauge, -r / gauge]])
 
 
-def _scaled(rows: float | tuple[float, float, float], heading: float) -> NDArray:
-    return track_matrix(heading) * np.reshape(np.broadcast_to(rows, 3), (3, 1))
+_SIGNS = np.array([(1, -1), (1, -1), (1, 1)])
 
 
-def _signs_only(heading: float) -> NDArray:
-    return printed.track_matrix(heading) * ((1, -1), (1, -1), (1, 1))
+def _rows_times(way: float, turn: float) -> Callable[[float], NDArray]:
+    return lambda heading: track_matrix(heading) * ((way,), (way,), (turn,))
 
-
-def _radii_only(heading: float) -> NDArray:
-    return track_matrix(heading) * ((1, -1), (1, -1), (1, 1))
-
-
-_RADIUS = BACKHOE.tracks.sprocket_radius
 
 TRACKS = Exercise(
     number="1.8",
     title="Repair (2.10)",
     reference=track_matrix,
+    oracle="belts_that_do_not_slip",
     cases=lambda rng: [(heading,) for heading in rng.uniform(-np.pi, np.pi, 30)],
     mistakes={
         "that is (2.10) as printed: with equal speeds on both sides it stands still": (
             printed.track_matrix
         ),
-        "it divides by r: a larger sprocket must drive faster, so multiply by r": _signs_only,
-        "both tracks drive the middle forward: no minus in the first two rows": _radii_only,
+        "it divides by r: a larger sprocket must drive faster, so multiply by r": (
+            lambda heading: printed.track_matrix(heading) * _SIGNS
+        ),
+        "both tracks drive the middle forward: no minus in the first two rows": (
+            lambda heading: track_matrix(heading) * _SIGNS
+        ),
         "the turn has the wrong sign: a faster right track turns the machine to the left": (
-            lambda heading: _scaled((1, 1, -1), heading)
+            _rows_times(1, -1)
         ),
         "the turn is too fast: divide the difference of the tracks by their whole gauge l": (
-            lambda heading: _scaled((1, 1, 2), heading)
+            _rows_times(1, 2)
         ),
-        "the middle moves at the mean of both tracks: a factor 1/2 is missing": (
-            lambda heading: _scaled((2, 2, 1), heading)
-        ),
+        "the middle moves at the mean of both tracks: a factor 1/2 is missing": (_rows_times(2, 1)),
         "that takes track speeds in m/s: the sprockets' speeds come in rad/s, so r is missing": (
-            lambda heading: _scaled(1 / _RADIUS, heading)
+            lambda heading: track_matrix(heading) / BACKHOE.tracks.sprocket_radius
         ),
     },
     hints=(

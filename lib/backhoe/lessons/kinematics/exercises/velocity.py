@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
 from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.kinematics import printed
-from backhoe.lessons.kinematics.exercises.posture import random_postures
+from backhoe.machine import BACKHOE
 
 
 def angular_jacobian(q: ArrayLike) -> NDArray:
@@ -19,57 +21,34 @@ def angular_jacobian(q: ArrayLike) -> NDArray:
     return np.column_stack((swing_axis, across, across, across))
 
 
-def _axes(*columns: ArrayLike) -> NDArray:
-    return np.column_stack(columns)
-
-
-def _across(direction: float) -> NDArray:
-    return np.array([np.sin(direction), -np.cos(direction), 0.0])
-
-
-def _along(q: NDArray) -> NDArray:
-    direction = q[0] + np.pi / 2
-    along = np.array([np.cos(direction), np.sin(direction), 0.0])
-    return _axes((0, 0, 1), along, along, along)
-
-
-def _flipped(q: NDArray) -> NDArray:
-    return angular_jacobian(q) * (1, -1, -1, -1)
-
-
-def _stick_only(q: NDArray) -> NDArray:
-    return angular_jacobian(q) * (1, 1, 1, 0)
-
-
-def _without_swing(q: NDArray) -> NDArray:
-    return angular_jacobian(q) * (0, 1, 1, 1)
-
-
-def _half_repaired(q: NDArray) -> NDArray:
-    J = printed.angular_jacobians(q)[3]
-    J[:2, 2:] = J[:2, 1:2]
-    return J
+def _columns_times(*factors: float) -> Callable[[NDArray], NDArray]:
+    return lambda q: angular_jacobian(q) * factors
 
 
 ANGULAR = Exercise(
     number="1.4",
     title="Repair (A.18)",
     reference=angular_jacobian,
-    cases=lambda rng: [(q,) for q in random_postures(rng, 40)],
+    oracle="spin_of_the_turning_bucket",
+    cases=lambda rng: [(q,) for q in rng.uniform(BACKHOE.lower, BACKHOE.upper, (40, 4))],
     mistakes={
         "that is (A.18) as printed: stick and bucket do not turn about the vertical": (
             lambda q: printed.angular_jacobians(q)[3]
         ),
         "the printed ones are still in the last row: those joints have no vertical part": (
-            _half_repaired
+            lambda q: angular_jacobian(q) + np.outer((0, 0, 1), (0, 0, 1, 1))
         ),
-        "the axes use q1 where q1* = q1 + pi/2 belongs": (
-            lambda q: _axes((0, 0, 1), *(_across(q[0]),) * 3)
+        "the axes use q1 where q1* = q1 + pi/2 belongs": lambda q: angular_jacobian(q - np.pi / 2),
+        "those axes point along the arm: the joints' axes lie across it": (
+            lambda q: angular_jacobian(q + np.pi / 2)
         ),
-        "those axes point along the arm: the joints' axes lie across it": _along,
-        "the three horizontal axes point the other way: positive turns lift the link": _flipped,
-        "that is J_w3, of the stick: the bucket joint turns the bucket as well": _stick_only,
-        "the swing turns the bucket too: its column is (0, 0, 1)": _without_swing,
+        "the three horizontal axes point the other way: positive turns lift the link": (
+            _columns_times(1, -1, -1, -1)
+        ),
+        "that is J_w3, of the stick: the bucket joint turns the bucket as well": (
+            _columns_times(1, 1, 1, 0)
+        ),
+        "the swing turns the bucket too: its column is (0, 0, 1)": _columns_times(0, 1, 1, 1),
     },
     hints=(
         "Column i is the unit vector, in the base frame, of the axis that joint i turns about.",
@@ -89,37 +68,33 @@ def grading_speeds(q: ArrayLike, speed: float) -> NDArray:
     return np.append(0.0, np.linalg.solve(task[:, 1:], (speed, 0.0, 0.0)))
 
 
-def _task(q: NDArray, pitch: ArrayLike = (1.0, 1.0, 1.0)) -> NDArray:
-    J = kinematics.jacobian(q, "tip")[:, 1:]
-    direction = q[0] + np.pi / 2
-    return np.stack((np.cos(direction) * J[0] + np.sin(direction) * J[1], J[2], pitch))
+def _graded(
+    solve: Callable = np.linalg.solve,
+    pitch: ArrayLike = (1.0, 1.0, 1.0),
+    wish: ArrayLike = (1.0, 0.0, 0.0),
+) -> Callable[[NDArray, float], NDArray]:
+    def speeds(q: NDArray, speed: float) -> NDArray:
+        J = kinematics.jacobian(q, "tip")[:, 1:]
+        task = np.stack((np.cos(q[0]) * J[1] - np.sin(q[0]) * J[0], J[2], pitch))
+        return np.append(0.0, solve(task, speed * np.array(wish)))
 
-
-def _solved(task: NDArray, wanted: ArrayLike) -> NDArray:
-    return np.append(0.0, np.linalg.solve(task, wanted))
-
-
-def _along_x(q: NDArray, speed: float) -> NDArray:
-    task = _task(q)
-    task[0] = kinematics.jacobian(q, "tip")[0, 1:]
-    return _solved(task, (speed, 0.0, 0.0))
-
-
-def _pseudo_inverse(q: NDArray, speed: float) -> NDArray:
-    return np.append(0.0, np.linalg.pinv(_task(q)[:2]) @ (speed, 0.0))
+    return speeds
 
 
 GRADING = Exercise(
     number="1.5",
     title="Level the ground",
     reference=grading_speeds,
-    cases=lambda rng: [(q, rng.uniform(0.1, 0.6)) for q in random_postures(rng, 40)],
+    oracle="teeth_a_moment_later",
+    cases=lambda rng: [
+        (q, rng.uniform(0.1, 0.6)) for q in rng.uniform(BACKHOE.lower, BACKHOE.upper, (40, 4))
+    ],
     mistakes={
         "the bucket joint stands still, so the bucket turns with the stick: pitch is a sum": (
-            lambda q, speed: _solved(_task(q, (0.0, 0.0, 1.0)), (speed, 0.0, 0.0))
+            _graded(pitch=(0.0, 0.0, 1.0))
         ),
         "the teeth move level, but the bucket's pitch changes: add a row that keeps it": (
-            _pseudo_inverse
+            _graded(lambda task, wish: np.linalg.pinv(task[:2]) @ wish[:2])
         ),
         "that is for 1 m/s whatever is asked: the wanted speed is not used": (
             lambda q, speed: grading_speeds(q, 1.0)
@@ -128,13 +103,13 @@ GRADING = Exercise(
             lambda q, speed: grading_speeds(q, -speed)
         ),
         "the teeth move straight up: the speed belongs to the horizontal row": (
-            lambda q, speed: _solved(_task(q), (0.0, speed, 0.0))
+            _graded(wish=(0.0, 1.0, 0.0))
         ),
         "the speed along x is right, but outwards is along x only when the arm points forward": (
-            _along_x
+            lambda q, speed: grading_speeds(q, -speed / np.sin(q[0]))
         ),
         "that is the transpose of the Jacobian: it maps forces; velocities need the inverse": (
-            lambda q, speed: np.append(0.0, _task(q).T @ (speed, 0.0, 0.0))
+            _graded(lambda task, wish: task.T @ wish)
         ),
     },
     hints=(

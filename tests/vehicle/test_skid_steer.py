@@ -11,6 +11,7 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 from backhoe.lessons import published
+from backhoe.machine import BACKHOE
 from backhoe.vehicle import skid_steer, travel
 from backhoe.vehicle.skid_steer import HUSKY, PROVENANCE, Vehicle, replace
 from units import UNITS, in_units
@@ -64,26 +65,21 @@ def test_every_number_has_a_symbol_a_unit_and_a_source():
     assert all(unit and source for _, unit, source in PROVENANCE.values())
 
 
-def test_the_backhoe_as_a_vehicle_takes_its_numbers_from_the_machine():
-    from backhoe import machine
-
-    heavy = machine.replace(
-        machine.BACKHOE, tracks=machine.replace(machine.BACKHOE.tracks, mass=6000.0, gauge=2.4)
-    )
-    vehicle, usual = travel.tracks_vehicle(heavy), travel.BACKHOE_TRACKS
-    assert vehicle.mass == pytest.approx(usual.mass + 1500.0)
-    assert (usual.half_track, vehicle.half_track) == (1.0, 1.2)
-    assert usual.inertia < vehicle.inertia
+def test_the_backhoe_as_a_vehicle_has_the_machine_s_numbers():
+    vehicle, tracks = travel.BACKHOE_TRACKS, BACKHOE.tracks
+    assert (vehicle.mass, vehicle.gravity) == (BACKHOE.mass, BACKHOE.gravity)
+    assert vehicle.inertia == travel.yaw_inertia(travel.POSTURE, BACKHOE)[0]
+    assert (vehicle.half_track, vehicle.wheel_radius) == (tracks.gauge / 2, tracks.sprocket_radius)
+    assert 4 * vehicle.wheel_mass == 2 * tracks.belt_mass
 
 
 def test_four_points_of_a_track_turn_as_heavily_as_its_whole_length():
-    from backhoe.machine import BACKHOE
-
     vehicle, tracks = travel.BACKHOE_TRACKS, BACKHOE.tracks
     x = (np.arange(100_000) + 0.5) / 100_000 * tracks.length - tracks.length / 2
-    weight = vehicle.mass * vehicle.gravity
-    even = tracks.friction_lateral * weight * np.abs(x).mean()
-    assert skid_steer.turning_moment(vehicle) == pytest.approx(even)
+    even = tracks.friction_lateral * vehicle.mass * vehicle.gravity * np.abs(x).mean()
+    across = np.stack([np.zeros(4), 1e6 * vehicle.positions[:, 0]], axis=-1)
+    force = skid_steer.contact_forces(across, vehicle)
+    assert -vehicle.positions[:, 0] @ force[:, 1] == pytest.approx(even)
 
 
 def test_the_wheels_carry_the_weight_without_tipping():

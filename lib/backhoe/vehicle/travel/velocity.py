@@ -14,14 +14,12 @@ Source: Mastalli 2013, eqs. (3.35) to (3.37) and Table 3.2.
 
 from __future__ import annotations
 
-from math import inf, isfinite, isnan
-from numbers import Real
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import not_negative, number, numbers, positive
 from backhoe.machine import BACKHOE, Machine
 
 
@@ -39,42 +37,6 @@ class Gains(NamedTuple):
 
 GAINS = Gains(kp=(120e3, 120e3), ki=(90e3, 90e3))
 """Table 3.2; a test holds it to `data/published`."""
-
-
-def belt_forces(u_v: ArrayLike, u_omega: ArrayLike) -> tuple[NDArray, NDArray]:
-    """Forces of the left and right track from those of the two loops.
-
-    Source: Mastalli 2013, eq. (3.35).
-
-    Args:
-        u_v: of the translational loop, shape (...) [N].
-        u_omega: of the rotational loop, shape (...) [N].
-
-    Returns:
-        Left and right, shape (...) each [N]: alike in translation, opposite in rotation.
-    """
-    u_v, u_omega = np.asarray(u_v, dtype=float), np.asarray(u_omega, dtype=float)
-    return u_v - u_omega, u_v + u_omega
-
-
-def track_errors(
-    e_v: ArrayLike, e_omega: ArrayLike, gauge: float = BACKHOE.tracks.gauge
-) -> tuple[NDArray, NDArray]:
-    """Speed errors of the left and right track from those of the vehicle.
-
-    Source: Mastalli 2013, eq. (3.37).
-
-    Args:
-        e_v: of the forward speed, shape (...) [m/s].
-        e_omega: of the turning speed, shape (...) [rad/s].
-        gauge: l, from track to track [m].
-
-    Returns:
-        Left and right, shape (...) each [m/s].
-    """
-    e_v, lever = np.asarray(e_v, dtype=float), gauge / 2
-    turning = lever * np.asarray(e_omega, dtype=float)
-    return e_v - turning, e_v + turning
 
 
 class VelocityPI:
@@ -105,11 +67,10 @@ class VelocityPI:
         lever: float = 1.0,
         machine: Machine = BACKHOE,
     ) -> None:
-        self.kp, self.ki = _gains("kp", kp), _gains("ki", ki)
-        self.limit = _positive(
-            "limit", machine.tracks.max_traction if limit is None else limit, allow_inf=True
-        )
-        self.lever = _positive("lever", lever)
+        self.kp, self.ki = _gains(kp, "kp"), _gains(ki, "ki")
+        limit = machine.tracks.max_traction if limit is None else limit
+        self.limit = number(limit, "limit", "N", above=0.0, finite=False)
+        self.lever = positive(lever, "lever")
         self.reset()
 
     def reset(self) -> None:
@@ -132,13 +93,11 @@ class VelocityPI:
         Raises:
             ValueError: a speed is not finite, or dt is not positive.
         """
-        errors = v_ref - v, omega_ref - omega
-        if not (isfinite(errors[0]) and isfinite(errors[1])):
-            raise ValueError(f"speeds must be finite, got {v_ref}, {omega_ref}, {v}, {omega}")
-        if not 0 < dt < inf:
-            raise ValueError(f"dt must be a positive time in s, got {dt!r}")
-        u_omega = self._loop(1, errors[1], dt, self.limit, self.lever)
-        u_v = self._loop(0, errors[0], dt, self.limit - abs(u_omega), 1.0)
+        e_v = number(v_ref, "v_ref", "m/s") - number(v, "v", "m/s")
+        e_omega = number(omega_ref, "omega_ref", "rad/s") - number(omega, "omega", "rad/s")
+        dt = positive(dt, "dt", "s")
+        u_omega = self._loop(1, e_omega, dt, self.limit, self.lever)
+        u_v = self._loop(0, e_v, dt, self.limit - abs(u_omega), 1.0)
         return u_v - u_omega, u_v + u_omega
 
     def _loop(self, which: int, error: float, dt: float, limit: float, lever: float) -> float:
@@ -150,18 +109,6 @@ class VelocityPI:
         return given
 
 
-def _gains(name: str, gains: ArrayLike) -> NDArray:
-    gains = real_array(gains, f"{name} must be 2 numbers (translational, rotational)")
-    if gains.shape != (2,) or not (np.isfinite(gains).all() and (gains >= 0).all()):
-        raise ValueError(
-            f"{name} must be 2 gains (translational, rotational), finite and not negative, "
-            f"got {gains}"
-        )
-    return gains.copy()
-
-
-def _positive(name: str, value: float, allow_inf: bool = False) -> float:
-    number = isinstance(value, Real) and not isinstance(value, bool) and not isnan(value)
-    if not number or value <= 0 or (value == inf and not allow_inf):
-        raise ValueError(f"{name} must be a positive number, got {value!r}")
-    return float(value)
+def _gains(gains: ArrayLike, name: str) -> NDArray:
+    pair = numbers(gains, name, (2,), meaning="gains (translational, rotational)")
+    return np.array([not_negative(gain, name) for gain in pair])

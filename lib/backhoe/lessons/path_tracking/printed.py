@@ -125,7 +125,7 @@ def cost_612(
         pose: x, y, theta, shape (3,) [m, m, rad].
         goal: x_d, y_d at n+1, shape (2,) [m].
         T0: sample time [s].
-        k_squared: k_1^2, k_2^2, k_3^2, k_4^2.
+        k_squared: k_1^2 to k_4^2, shape (4,).
     """
     x, y, theta = pose
     k1, k2, k3, k4 = k_squared
@@ -156,7 +156,7 @@ def gains_614(k_squared: ArrayLike, T0: float) -> tuple[float, float]:
     """k_v^2 and k_w^2 of (6.14) and (9.15).
 
     Args:
-        k_squared: k_1^2, k_2^2, k_3^2, k_4^2, not negative, the first and third positive.
+        k_squared: k_1^2 to k_4^2, not negative, the first and third positive, shape (4,).
         T0: sample time [s].
     """
     k1, k2, k3, k4 = k_squared

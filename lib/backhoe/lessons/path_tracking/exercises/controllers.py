@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.lessons.exercise import Exercise
+from backhoe.lessons.path_tracking.printed import taylor_613
+from backhoe.vehicle.tracking import wrap
 
 
 def scaglia(pose: ArrayLike, goal: ArrayLike, dt: float, kv2: float, kw2: float) -> NDArray:
@@ -19,81 +23,56 @@ def scaglia(pose: ArrayLike, goal: ArrayLike, dt: float, kv2: float, kw2: float)
 
 
 def _cases(rng: np.random.Generator) -> list[tuple]:
-    return [
-        (pose, pose[:2] + step, *parameters)
-        for pose, step, parameters in zip(
-            rng.uniform((-3, -3, -7), (3, 3, 7), (60, 3)),
-            rng.uniform(-0.5, 0.5, (60, 2)),
-            rng.uniform((0.02, 0.2, 0.2), (0.2, 0.95, 0.95), (60, 3)).tolist(),
-            strict=True,
-        )
-    ]
+    low, high = (-3, -3, -7, -0.5, -0.5, 0.02, 0.2, 0.2), (3, 3, 7, 0.5, 0.5, 0.2, 0.95, 0.95)
+    rows = rng.uniform(low, high, (60, 8))
+    return [(row[:3], row[:2] + row[3:5], *row[5:].tolist()) for row in rows]
 
 
-def _variant(speed: object = None, turn: object = None) -> object:
-    """The reference with V or W worked out anew from dx, dy, theta, theta_d, dt, kv2 and kw2."""
+def _printed(*columns: int) -> Callable[..., NDArray]:
+    """V or W, or both, as in (6.13) with atan2."""
 
     def wrong(pose: NDArray, goal: NDArray, dt: float, kv2: float, kw2: float) -> NDArray:
-        right = scaglia(pose, goal, dt, kv2, kw2)
-        dx, dy, theta = *(goal - pose[:2]), pose[2]
-        given = dx, dy, theta, np.arctan2(dy, dx), dt, kv2, kw2
-        V = speed(*given) if speed else right[0]
-        return np.array([V, turn(*given) if turn else right[1]])
+        mixed = scaglia(pose, goal, dt, kv2, kw2)
+        as_printed = taylor_613(pose, goal, dt, kv2, kw2, two_arguments=True)
+        mixed[[*columns]] = np.array(as_printed)[[*columns]]
+        return mixed
 
     return wrong
 
 
-def _wrap(angle: float) -> float:
-    return (angle + np.pi) % (2 * np.pi) - np.pi
-
-
-def _along(dx: float, dy: float, angle: float) -> float:
-    return dx * np.cos(angle) + dy * np.sin(angle)
-
-
-def _printed_913(
-    dx: float, dy: float, theta: float, theta_d: float, dt: float, kv2: float, kw2: float
-) -> float:
-    """V from (9.13) as printed, whose derivative has lost a minus: k1 = 1, k2 from k_v^2."""
-    k2_squared = dt**2 * (1 / kv2 - 1)
-    return _along(dx, dy, theta) * dt / (dt**2 - k2_squared)
+def _one_argument(pose: NDArray, goal: NDArray, dt: float, kv2: float, kw2: float) -> NDArray:
+    dx, dy = goal - pose[:2]
+    V, _ = scaglia(pose, goal, dt, kv2, kw2)
+    return np.array([V, kw2 * wrap(np.arctan(dy / dx) - pose[2]) / dt])
 
 
 SCAGLIA = Exercise(
     number="5.6",
     title="Repair (6.13)",
     reference=scaglia,
+    oracle="the_least_of_the_cost",
     cases=_cases,
     mistakes={
         (
             "V is (6.13a) as printed, the whole distance over dt: the least of J has theta_n, not "
             "theta_d"
-        ): _variant(lambda dx, dy, th, thd, dt, kv2, kw2: kv2 * _along(dx, dy, thd) / dt),
+        ): _printed(0),
         "that solves (9.13) as printed: the derivative of the square has lost its minus": (
-            _variant(_printed_913)
+            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2 / (2 * kv2 - 1), kw2)
         ),
         "theta_d - theta is not wrapped: after a full turn the vehicle unwinds it again": (
-            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * (thd - th) / dt)
+            _printed(1)
         ),
-        "V is (6.13a) as printed, and theta_d - theta is not wrapped": (
-            _variant(
-                lambda dx, dy, th, thd, dt, kv2, kw2: kv2 * _along(dx, dy, thd) / dt,
-                lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * (thd - th) / dt,
-            )
-        ),
-        "np.arctan cannot tell ahead from behind: use np.arctan2 for theta_d": (
-            _variant(
-                turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * _wrap(np.arctan(dy / dx) - th) / dt
-            )
-        ),
+        "V is (6.13a) as printed, and theta_d - theta is not wrapped": _printed(0, 1),
+        "np.arctan cannot tell ahead from behind: use np.arctan2 for theta_d": _one_argument,
         "T_0 is missing: these are a distance and an angle, divide both by dt": (
-            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, 1.0, kv2, kw2)
+            lambda pose, goal, dt, *gains: scaglia(pose, goal, 1.0, *gains)
         ),
         "T_0 is missing in W: an angle over dt is a rate": (
-            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * _wrap(thd - th))
+            lambda pose, goal, dt, *gains: scaglia(pose, goal, dt, *gains) * (1, dt)
         ),
         "W turns away from the goal: theta_d - theta, not the other way round": (
-            _variant(turn=lambda dx, dy, th, thd, dt, kv2, kw2: kw2 * _wrap(th - thd) / dt)
+            lambda *given: scaglia(*given) * (1, -1)
         ),
         "kv2 and kw2 are k_v^2 and k_w^2 already: do not square them again": (
             lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2**2, kw2**2)
@@ -102,10 +81,10 @@ SCAGLIA = Exercise(
             lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kw2, kv2)
         ),
         "that is (9.11) with theta, the dead beat: the weights kv2 and kw2 are left out": (
-            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, 1.0, 1.0)
+            lambda pose, goal, dt, *gains: scaglia(pose, goal, dt, 1.0, 1.0)
         ),
         "W is in degrees per second: everything inside the course is in radians": (
-            lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2, kw2) * (1, 180 / np.pi)
+            lambda *given: scaglia(*given) * (1, 180 / np.pi)
         ),
     },
     hints=(

@@ -2,104 +2,91 @@
 
 from __future__ import annotations
 
-from math import atan, cos, hypot, pi, sin
+from collections.abc import Callable
+from dataclasses import replace
+from math import atan, atan2, cos, pi, sin
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise
-
-
-def pose_errors(pose: ArrayLike, waypoint: ArrayLike, next_waypoint: ArrayLike) -> NDArray:
-    """rho [m], Delta y [m] and alpha [rad] of eq. (5.1), alpha = phi - theta wrapped to -pi..pi."""
-    x, y, theta = pose
-    to_goal = np.arctan2(waypoint[1] - y, waypoint[0] - x)
-    phi = np.arctan2(next_waypoint[1] - waypoint[1], next_waypoint[0] - waypoint[0])
-    rho = np.hypot(waypoint[0] - x, waypoint[1] - y)
-    alpha = (phi - theta + np.pi) % (2 * np.pi) - np.pi
-    return np.array([rho, rho * np.sin(to_goal - theta), alpha])
+from backhoe.vehicle.tracking import Limits, PoseErrors, pose_errors, wrap
 
 
 def _pose_cases(rng: np.random.Generator) -> list[tuple]:
-    return [
-        (np.append(start, theta), waypoint, waypoint + step)
-        for start, waypoint, step, theta in zip(
-            rng.uniform(-3, 3, (60, 2)),
-            rng.uniform(-3, 3, (60, 2)),
-            rng.uniform(-1, 1, (60, 2)),
-            rng.uniform(-7, 7, 60),
-            strict=True,
-        )
-    ]
+    low, high = (-3, -3, -7, -3, -3, -1, -1), (3, 3, 7, 3, 3, 1, 1)
+    rows = rng.uniform(low, high, (60, 7))
+    return [(row[:3], row[3:5], row[3:5] + row[5:]) for row in rows]
 
 
-def _changed(index: int, value: object) -> object:
-    def wrong(pose: NDArray, waypoint: NDArray, next_waypoint: NDArray) -> NDArray:
-        errors = pose_errors(pose, waypoint, next_waypoint)
-        errors[index] = value(pose, waypoint, next_waypoint, errors)
-        return errors
+def _with(**changes: Callable[[float, NDArray, NDArray, PoseErrors], float]) -> Callable:
+    """The errors with one worked out anew from theta, the ways to and on from the way-point."""
+
+    def wrong(pose: NDArray, waypoint: NDArray, next_waypoint: NDArray) -> PoseErrors:
+        right = pose_errors(pose, waypoint, next_waypoint)
+        ways = pose[2], waypoint - pose[:2], next_waypoint - waypoint
+        return right._replace(**{name: change(*ways, right) for name, change in changes.items()})
 
     return wrong
 
 
-def _wrapped(angle: float) -> float:
-    return (angle + pi) % (2 * pi) - pi
+def _bearing(way: NDArray) -> float:
+    return atan2(way[1], way[0])
 
 
-def _bearing(start: NDArray, end: NDArray) -> float:
-    return float(np.arctan2(end[1] - start[1], end[0] - start[0]))
-
-
-def _slope(start: NDArray, end: NDArray) -> float:
-    return atan((end[1] - start[1]) / (end[0] - start[0]))
+def _slope(way: NDArray) -> float:
+    return atan(way[1] / way[0])
 
 
 POSE_ERRORS = Exercise(
     number="5.3",
     title="Repair (5.1)",
     reference=pose_errors,
+    oracle="seen_from_the_vehicle",
     cases=_pose_cases,
     mistakes={
         "alpha is as printed, theta - phi: it must turn the vehicle the way Delta y does": (
-            _changed(2, lambda p, w, n, e: _wrapped(p[2] - _bearing(w, n)))
+            _with(alpha=lambda theta, to, on, e: -e.alpha)
         ),
         "alpha is not wrapped: 350 degrees to the left are 10 to the right": (
-            _changed(2, lambda p, w, n, e: _bearing(w, n) - p[2])
+            _with(alpha=lambda theta, to, on, e: _bearing(on) - theta)
         ),
         "alpha is as printed: its sign is against Delta y's, and it is not wrapped": (
-            _changed(2, lambda p, w, n, e: p[2] - _bearing(w, n))
+            _with(alpha=lambda theta, to, on, e: theta - _bearing(on))
         ),
         "alpha is wrapped into 0..2 pi: a small turn to the right becomes nearly a full one": (
-            _changed(2, lambda p, w, n, e: (_bearing(w, n) - p[2]) % (2 * pi))
+            _with(alpha=lambda theta, to, on, e: e.alpha % (2 * pi))
         ),
         "phi is the direction from the way-point to the next one, not from the vehicle": (
-            _changed(2, lambda p, w, n, e: _wrapped(_bearing(p[:2], n) - p[2]))
+            _with(alpha=lambda theta, to, on, e: wrap(_bearing(to + on) - theta))
         ),
         "that is beta in the place of alpha: alpha looks along the segment after the way-point": (
-            _changed(2, lambda p, w, n, e: _wrapped(_bearing(p[:2], w) - p[2]))
+            _with(alpha=lambda theta, to, on, e: wrap(_bearing(to) - theta))
         ),
         "np.arctan cannot tell ahead from behind: use np.arctan2 for beta": (
-            _changed(1, lambda p, w, n, e: e[0] * sin(_slope(p[:2], w) - p[2]))
+            _with(dy=lambda theta, to, on, e: e.rho * sin(_slope(to) - theta))
         ),
         "np.arctan cannot tell to from fro: use np.arctan2 for phi": (
-            _changed(2, lambda p, w, n, e: _wrapped(_slope(w, n) - p[2]))
+            _with(alpha=lambda theta, to, on, e: wrap(_slope(on) - theta))
         ),
         (
             "that is Delta Y, along the map: take theta off beta, Delta y is to the left of the "
             "vehicle"
-        ): _changed(1, lambda p, w, n, e: w[1] - p[1]),
+        ): _with(dy=lambda theta, to, on, e: to[1]),
         "Delta y is a length: rho times the sine of beta": (
-            _changed(1, lambda p, w, n, e: e[1] / e[0])
+            _with(dy=lambda theta, to, on, e: e.dy / e.rho)
         ),
         "that is how far ahead the way-point lies: how far aside is the sine": (
-            _changed(1, lambda p, w, n, e: e[0] * cos(_bearing(p[:2], w) - p[2]))
+            _with(dy=lambda theta, to, on, e: e.rho * cos(_bearing(to) - theta))
         ),
-        "Delta y is positive to the left, like y itself": _changed(1, lambda p, w, n, e: -e[1]),
+        "Delta y is positive to the left, like y itself": (
+            _with(dy=lambda theta, to, on, e: -e.dy)
+        ),
         "alpha is in degrees: everything inside the course is in radians": (
-            _changed(2, lambda p, w, n, e: np.degrees(e[2]))
+            _with(alpha=lambda theta, to, on, e: np.degrees(e.alpha))
         ),
         "rho is the root of that: a distance, not its square": (
-            _changed(0, lambda p, w, n, e: hypot(w[0] - p[0], w[1] - p[1]) ** 2)
+            _with(rho=lambda theta, to, on, e: e.rho**2)
         ),
     },
     hints=(
@@ -110,63 +97,43 @@ POSE_ERRORS = Exercise(
 )
 
 
-def limit(v: float, omega: float, wheel_max: float, r: float, c: float) -> NDArray:
-    """v [m/s] and omega [rad/s] that wheels of at most wheel_max [rad/s] can do, turn first."""
-    omega_max = r / c * wheel_max
-    omega = np.clip(omega, -omega_max, omega_max)
-    v_max = r * wheel_max - c * abs(omega)
-    return np.array([np.clip(v, -v_max, v_max), omega])
-
-
 def _limit_cases(rng: np.random.Generator) -> list[tuple]:
     cases = []
-    for _ in range(60):
-        wheel_max, r, c = rng.uniform((3, 0.1, 0.2), (10, 0.4, 1.2))
-        asked = rng.uniform(-1.8, 1.8, 2) * (r * wheel_max, r * wheel_max / c)
-        cases.append((*asked.tolist(), wheel_max, r, c))
+    for numbers in rng.uniform((3, 0.1, 0.2), (10, 0.4, 1.2), (60, 3)):
+        limits = Limits(*numbers)
+        asked = rng.uniform(-1.8, 1.8, 2) * (limits.max_speed, limits.max_turn_rate)
+        cases.append((limits, *asked.tolist()))
     return cases
 
 
-def _speed_first(v: float, omega: float, wheel_max: float, r: float, c: float) -> NDArray:
-    v = np.clip(v, -r * wheel_max, r * wheel_max)
-    omega_max = (r * wheel_max - abs(v)) / c
+def _speed_left(limits: Limits, v: float, omega: float, turn: float) -> NDArray:
+    """v cut to what a turn leaves, and omega cut to its own limit."""
+    v_max = limits.max_speed - limits.half_track * turn
+    return np.array([np.clip(v, -v_max, v_max), limits.apply(0.0, omega)[1]])
+
+
+def _speed_first(limits: Limits, v: float, omega: float) -> NDArray:
+    v = np.clip(v, -limits.max_speed, limits.max_speed)
+    omega_max = (limits.max_speed - abs(v)) / limits.half_track
     return np.array([v, np.clip(omega, -omega_max, omega_max)])
 
 
-def _each_alone(v: float, omega: float, wheel_max: float, r: float, c: float) -> NDArray:
-    top = r * wheel_max
-    return np.clip([v, omega], [-top, -top / c], [top, top / c])
-
-
-def _same_radius(v: float, omega: float, wheel_max: float, r: float, c: float) -> NDArray:
-    need = (abs(v) + c * abs(omega)) / (r * wheel_max)
+def _same_radius(limits: Limits, v: float, omega: float) -> NDArray:
+    need = (abs(v) + limits.half_track * abs(omega)) / limits.max_speed
     return np.array([v, omega]) / max(1.0, need)
 
 
-def _asked_turn(v: float, omega: float, wheel_max: float, r: float, c: float) -> NDArray:
-    v_max = r * wheel_max - c * abs(omega)
-    return np.array([np.clip(v, -v_max, v_max), limit(v, omega, wheel_max, r, c)[1]])
-
-
-def _signed_turn(v: float, omega: float, wheel_max: float, r: float, c: float) -> NDArray:
-    omega = limit(v, omega, wheel_max, r, c)[1]
-    v_max = r * wheel_max - c * omega
-    return np.array([np.clip(v, -v_max, v_max), omega])
-
-
-def _forwards(v: float, omega: float, wheel_max: float, r: float, c: float) -> NDArray:
-    return np.maximum(limit(v, omega, wheel_max, r, c), (0.0, -np.inf))
-
-
-def _wheels_clipped(v: float, omega: float, wheel_max: float, r: float, c: float) -> NDArray:
-    wheels = np.clip(np.array([v - c * omega, v + c * omega]) / r, -wheel_max, wheel_max)
-    return np.array([r * wheels.sum() / 2, r * (wheels[1] - wheels[0]) / (2 * c)])
+def _wheels_clipped(limits: Limits, v: float, omega: float) -> NDArray:
+    c, top = limits.half_track, limits.max_speed
+    left, right = np.clip([v - c * omega, v + c * omega], -top, top)
+    return np.array([(left + right) / 2, (right - left) / (2 * c)])
 
 
 LIMITS = Exercise(
     number="5.4",
     title="The turn goes first",
-    reference=limit,
+    reference=Limits.apply,
+    oracle="the_nearest_that_the_wheels_can_do",
     cases=_limit_cases,
     mistakes={
         "you let the speed go first and give the turn what is left: it is the other way round": (
@@ -175,7 +142,7 @@ LIMITS = Exercise(
         (
             "each limit is right alone, but together one wheel is too fast: turning takes its "
             "share from v"
-        ): _each_alone,
+        ): lambda limits, v, omega: _speed_left(limits, v, omega, 0.0),
         "you slow both down by one factor, which keeps the radius: here the turn goes first": (
             _same_radius
         ),
@@ -185,19 +152,23 @@ LIMITS = Exercise(
         (
             "v is limited with the omega that was asked for: use the one that is left after its "
             "own limit"
-        ): _asked_turn,
-        "a turn to the right takes speed as well: |omega|, without its sign": _signed_turn,
-        "it never drives backwards: v lies between -v_max and +v_max": _forwards,
-        "c is half the distance of the wheels already: no factor 2": (
-            lambda v, omega, wheel_max, r, c: limit(v, omega, wheel_max, r, 2 * c)
+        ): lambda limits, v, omega: _speed_left(limits, v, omega, abs(omega)),
+        "a turn to the right takes speed as well: |omega|, without its sign": (
+            lambda limits, v, omega: _speed_left(limits, v, omega, limits.apply(0.0, omega)[1])
         ),
-        "wheel_max is in rad/s: times the wheel's radius it is a speed over the ground": (
-            lambda v, omega, wheel_max, r, c: limit(v, omega, wheel_max, 1.0, c)
+        "it never drives backwards: v lies between -v_max and +v_max": (
+            lambda limits, v, omega: limits.apply(max(v, 0.0), omega)
+        ),
+        "c is half the distance of the wheels already: no factor 2": (
+            lambda limits, *wish: replace(limits, half_track=2 * limits.half_track).apply(*wish)
+        ),
+        "wheel_speed is in rad/s: times the wheel's radius it is a speed over the ground": (
+            lambda limits, *wish: replace(limits, wheel_radius=1.0).apply(*wish)
         ),
     },
     hints=(
-        "First omega between -r/c wheel_max and +r/c wheel_max; only then v.",
-        "What is left for v: r wheel_max - c |omega|, with the omega just limited.",
+        "First omega between -r/c wheel_speed and +r/c wheel_speed; only then v.",
+        "What is left for v: r wheel_speed - c |omega|, with the omega just limited.",
     ),
     tested_on="60 random wishes, most of them too fast",
 )

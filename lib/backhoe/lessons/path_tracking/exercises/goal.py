@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -24,20 +26,11 @@ def _cases(rng: np.random.Generator) -> list[tuple]:
     return cases
 
 
-def _following(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
-    return points[min(np.searchsorted(times, time + dt), len(points) - 1)]
-
-
-def _passed(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
-    return points[max(np.searchsorted(times, time + dt, "right") - 1, 0)]
-
-
-def _nearest(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
-    return points[np.abs(times - time - dt).argmin()]
-
-
-def _evenly(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
-    return goal(time, dt, points, np.linspace(times[0], times[-1], len(times)))
+def _waypoint(number: Callable[[NDArray, float], int]) -> Callable[..., NDArray]:
+    """The way-point of a number that depends on the times and the end of the sample."""
+    return lambda time, dt, points, times: points[
+        np.clip(number(times, time + dt), 0, len(points) - 1)
+    ]
 
 
 def _beyond(time: float, dt: float, points: NDArray, times: NDArray) -> NDArray:
@@ -50,6 +43,7 @@ GOAL = Exercise(
     number="5.5",
     title="Where to be at the end of this sample",
     reference=goal,
+    oracle="velocities_add_up",
     cases=_cases,
     mistakes={
         "that is where to be now, sample n: the command works until n + 1, so aim at time + dt": (
@@ -59,15 +53,19 @@ GOAL = Exercise(
             lambda time, dt, points, times: goal(time, -dt, points, times)
         ),
         "that is the next way-point: the goal moves along the line between two of them": (
-            _following
+            _waypoint(np.searchsorted)
         ),
         "that is the way-point just passed: the goal moves along the line between two of them": (
-            _passed
+            _waypoint(lambda times, then: np.searchsorted(times, then, "right") - 1)
         ),
         "that is the way-point nearest in time: the goal moves along the line between two": (
-            _nearest
+            _waypoint(lambda times, then: np.abs(times - then).argmin())
         ),
-        "you treat the times as evenly spaced: each segment has its own duration": _evenly,
+        "you treat the times as evenly spaced: each segment has its own duration": (
+            lambda time, dt, points, times: goal(
+                time, dt, points, np.linspace(times[0], times[-1], len(times))
+            )
+        ),
         "right within the trajectory, but it runs on beyond its ends: wait at the ends instead": (
             _beyond
         ),

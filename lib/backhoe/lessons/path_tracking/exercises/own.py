@@ -16,16 +16,15 @@ NEAR_ENOUGH = 0.15
 Tracker = Callable[[NDArray, NDArray, tracking.Goal, float], ArrayLike]
 
 
-def own_tracker() -> Tracker:
+def own_tracker(wrap: Callable[[float], float] = tracking.wrap) -> Tracker:
     """Speed in proportion to how far ahead the goal is, turn to its bearing, cut when far aside."""
 
     def tracker(
         pose: ArrayLike, twist: ArrayLike, goal: tracking.Goal, dt: float
     ) -> tuple[float, float]:
         dx, dy = goal.position - pose[:2]
-        angle = (np.arctan2(dy, dx) - pose[2] + np.pi) % (2 * np.pi) - np.pi
-        distance = np.hypot(dx, dy)
-        return 4.0 * distance * max(np.cos(angle), 0.0), 4.0 * angle
+        angle = wrap(np.arctan2(dy, dx) - pose[2])
+        return 4.0 * np.hypot(dx, dy) * max(np.cos(angle), 0.0), 4.0 * angle
 
     return tracker
 
@@ -35,11 +34,10 @@ _PATHS = {
     "bends": tracking.from_points(np.column_stack((_X, np.sin(_X)))).with_times(0.4),
     "circle": tracking.circle(1.0, centre=(0.0, 1.0), start_angle=-np.pi / 2).with_times(0.4),
 }
-_PERIOD = 0.05
 
 
 def _drive(tracker: Tracker, name: str) -> tracking.Follow:
-    plant = tracking.IdealPlant(_PERIOD)
+    plant = tracking.IdealPlant(0.05)
     return tracking.follow(tracker, plant, _PATHS[name], mode="trajectory", name="my_tracker()")
 
 
@@ -53,30 +51,21 @@ def _worst(tracker: Tracker) -> float:
     return max(distance_to_goal(tracker, name) for name in _PATHS)
 
 
-def _altered(tracker: Tracker, after: Callable[[NDArray], NDArray]) -> Tracker:
-    def altered(pose: NDArray, twist: NDArray, goal: tracking.Goal, dt: float) -> NDArray:
-        return after(np.array(tracker(pose, twist, goal, dt), dtype=float))
-
-    return altered
+def _altered(tracker: Tracker, change: NDArray) -> Tracker:
+    return lambda *now: change @ np.array(tracker(*now), dtype=float)
 
 
-_REMEDIES = (
-    (
-        lambda command: command * (1.0, -1.0),
-        "it turns away from the goal: with the other sign of omega it would follow",
-    ),
-    (
-        lambda command: command * (1.0, np.pi / 180),
-        "its turns are far too wild: is omega in degrees per second?",
-    ),
-    (
-        lambda command: command * (-1.0, 1.0),
-        "it drives away from the goal: with the other sign of v it would follow",
-    ),
-    (
-        lambda command: command[::-1],
-        "it returns omega first: the order is v, omega",
-    ),
+_MENDS = {
+    "it turns away from the goal: with the other sign of omega it would follow": np.diag((1, -1)),
+    "its turns are far too wild: is omega in degrees per second?": np.diag((1, np.pi / 180)),
+    "it drives away from the goal: with the other sign of v it would follow": np.diag((-1, 1)),
+    "it returns omega first: the order is v, omega": np.eye(2)[::-1],
+}
+"""What a command is to be multiplied by so that the tracker follows."""
+
+_UNWRAPPED, _STILL = (
+    "it follows bends but not a circle, where the heading passes pi: wrap the angle to the goal",
+    "it does not drive at all: v stays at zero",
 )
 
 
@@ -84,67 +73,37 @@ def judged(answer: Tracker, reference: Tracker) -> bool | str:
     """Drive the two trajectories with the tracker and say how it went."""
     if not callable(answer):
         return "my_tracker() must return a function of (pose, twist, goal, dt)"
-    distances = {name: distance_to_goal(answer, name) for name in _PATHS}
-    if max(distances.values()) <= NEAR_ENOUGH:
+    far = {name: distance_to_goal(answer, name) for name in _PATHS}
+    if max(far.values()) <= NEAR_ENOUGH:
         return True
-    for remedy, diagnosis in _REMEDIES:
-        if _worst(_altered(answer, remedy)) <= NEAR_ENOUGH:
+    for diagnosis, mend in _MENDS.items():
+        if _worst(_altered(answer, mend)) <= NEAR_ENOUGH:
             return diagnosis
-    if distances["bends"] <= NEAR_ENOUGH < distances["circle"]:
-        return (
-            "it follows bends but not a circle, where the heading passes pi: wrap the angle to "
-            "the goal"
-        )
-    return _what_it_does(answer, distances)
-
-
-def _what_it_does(answer: Tracker, distances: dict[str, float]) -> str:
+    if far["bends"] <= NEAR_ENOUGH < far["circle"]:
+        return _UNWRAPPED
     run = _drive(answer, "bends")
     if np.ptp(run.pose[:, :2], axis=0).max() < 0.05:
-        return "it does not drive at all: v stays at zero"
+        return _STILL
     if run.metrics.d_mean <= 0.1:
         return "it keeps to the line but not to the time: let v grow with the distance to the goal"
-    far = max(distances.values())
-    return f"it is {far:.2g} m from its goal on average: {NEAR_ENOUGH} m or less is asked"
-
-
-def _mistaken(after: Callable[[NDArray], NDArray]) -> Callable[[], Tracker]:
-    return lambda: _altered(own_tracker(), after)
-
-
-def _unwrapped() -> Tracker:
-    def tracker(pose: NDArray, twist: NDArray, goal: tracking.Goal, dt: float) -> tuple:
-        dx, dy = goal.position - pose[:2]
-        angle = np.arctan2(dy, dx) - pose[2]
-        return 4.0 * np.hypot(dx, dy) * max(np.cos(angle), 0.0), 4.0 * angle
-
-    return tracker
+    worst = max(far.values())
+    return f"it is {worst:.2g} m from its goal on average: {NEAR_ENOUGH} m or less is asked"
 
 
 OWN = Exercise(
     number="5.8",
     title="A tracker of your own",
     reference=own_tracker,
+    oracle="it_trails_by_the_rate_over_the_gain",
     cases=lambda rng: [()],
     compare=judged,
     mistakes={
-        "it turns away from the goal: with the other sign of omega it would follow": (
-            _mistaken(lambda command: command * (1.0, -1.0))
-        ),
-        "its turns are far too wild: is omega in degrees per second?": (
-            _mistaken(lambda command: command * (1.0, 180 / np.pi))
-        ),
-        "it drives away from the goal: with the other sign of v it would follow": (
-            _mistaken(lambda command: command * (-1.0, 1.0))
-        ),
-        "it returns omega first: the order is v, omega": _mistaken(lambda command: command[::-1]),
-        (
-            "it follows bends but not a circle, where the heading passes pi: wrap the angle to "
-            "the goal"
-        ): _unwrapped,
-        "it does not drive at all: v stays at zero": (
-            lambda: lambda pose, twist, goal, dt: (0.0, 0.0)
-        ),
+        **{
+            diagnosis: lambda mend=mend: _altered(own_tracker(), np.linalg.inv(mend))
+            for diagnosis, mend in _MENDS.items()
+        },
+        _UNWRAPPED: lambda: own_tracker(wrap=float),
+        _STILL: lambda: lambda pose, twist, goal, dt: (0.0, 0.0),
     },
     hints=(
         "The bearing of the goal from the vehicle is atan2(dy, dx) - theta, wrapped; the distance "

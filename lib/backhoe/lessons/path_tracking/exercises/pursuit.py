@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.lessons.exercise import Exercise
+from backhoe.vehicle.tracking import Goal, PurePursuit, wrap
+from backhoe.vehicle.tracking.progress import Progress
 
 
 def pure_pursuit(pose: ArrayLike, path: ArrayLike, lookahead: float, speed: float) -> NDArray:
@@ -36,93 +40,69 @@ def _cases(rng: np.random.Generator) -> list[tuple]:
     return cases
 
 
-def _foot(pose: NDArray, path: NDArray) -> float:
-    """Way along the path to the point nearest the pose [m]."""
-    start, way = path[:-1], np.diff(path, axis=0)
-    share = ((pose[:2] - start) * way).sum(axis=1) / (way**2).sum(axis=1)
-    share = np.clip(share, 0.0, 1.0)
-    near = np.linalg.norm(pose[:2] - start - share[:, None] * way, axis=1).argmin()
-    return _arc(path)[near] + share[near] * np.linalg.norm(way[near])
+def _foot(path: NDArray, place: NDArray) -> Progress:
+    foot = Progress(path, window=np.inf)
+    foot.move_to(*place)
+    return foot
 
 
-def _arc(path: NDArray) -> NDArray:
-    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1)))
-
-
-def _at(path: NDArray, way: float) -> NDArray:
-    return np.array([np.interp(way, _arc(path), axis) for axis in path.T])
+def _ahead(path: NDArray, place: NDArray, lookahead: float) -> NDArray:
+    """The point of the path that lies `lookahead` beyond the one nearest to a place."""
+    foot = _foot(path, place)
+    return np.array([np.interp(foot.way + lookahead, foot.arc, axis) for axis in path.T])
 
 
 def _steer(pose: NDArray, target: NDArray, speed: float) -> NDArray:
-    dx, dy = target - pose[:2]
-    aside = -np.sin(pose[2]) * dx + np.cos(pose[2]) * dy
-    return np.array([speed, 2 * speed * aside / (dx**2 + dy**2)])
+    """The arc to a target, as the start of a path that leads on from there."""
+    return pure_pursuit(pose, np.array([target, 2 * target - pose[:2]]), 0.0, speed)
+
+
+def _turning(factor: Callable[[float, float, float], float]) -> Callable[..., NDArray]:
+    """The arc with omega times a factor of d, the look-ahead and the speed."""
+
+    def wrong(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
+        d = np.linalg.norm(_ahead(path, pose[:2], lookahead) - pose[:2])
+        return pure_pursuit(pose, path, lookahead, speed) * (1, factor(d, lookahead, speed))
+
+    return wrong
 
 
 def _nearest_vertex(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
-    near = np.linalg.norm(path - pose[:2], axis=1).argmin()
-    return _steer(pose, _at(path, _arc(path)[near] + lookahead), speed)
+    near = path[np.linalg.norm(path - pose[:2], axis=1).argmin()]
+    return _steer(pose, _ahead(path, near, lookahead), speed)
 
 
 def _vertex_ahead(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
-    arc = _arc(path)
-    beyond = min(np.searchsorted(arc, _foot(pose, path) + lookahead), len(arc) - 1)
-    return _steer(pose, path[beyond], speed)
-
-
-def _target(pose: NDArray, path: NDArray, lookahead: float) -> NDArray:
-    return _at(path, _foot(pose, path) + lookahead)
+    foot = _foot(path, pose[:2])
+    beyond = np.searchsorted(foot.arc, foot.way + lookahead)
+    return _steer(pose, path[min(beyond, len(path) - 1)], speed)
 
 
 def _leaves_the_circle(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
-    """Steer to where the path, from the nearest point on, leaves the circle of that radius."""
-    arc = _arc(path)
-    start = _foot(pose, path)
-    here = np.searchsorted(arc, start, "right") - 1
-    for a, b in zip(path[here:-1], path[here + 1 :], strict=True):
-        if np.linalg.norm(b - pose[:2]) > lookahead:
-            way, aside = (b - a) / np.linalg.norm(b - a), a - pose[:2]
-            along = -aside @ way
-            along += np.sqrt(along**2 - aside @ aside + lookahead**2)
-            return _steer(pose, a + along * way, speed)
-    return _steer(pose, path[-1], speed)
-
-
-def _lookahead_for_distance(
-    pose: NDArray, path: NDArray, lookahead: float, speed: float
-) -> NDArray:
-    target = _target(pose, path, lookahead)
-    distance = np.linalg.norm(target - pose[:2])
-    return _steer(pose, target, speed) * (1.0, distance**2 / lookahead**2)
+    """The library's arc, but to the end of the path where no more than the look-ahead is left."""
+    if np.linalg.norm(path[-1] - pose[:2]) < lookahead:
+        return _steer(pose, path[-1], speed)
+    goal = Goal(path[-1], path[-1], speed, path, time=0.0, waypoint=len(path) - 1)
+    return np.array(PurePursuit(lookahead, window=1e9)(pose, np.zeros(2), goal, 0.1))
 
 
 def _by_angle(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
-    dx, dy = _target(pose, path, lookahead) - pose[:2]
-    angle = np.arctan2(dy, dx) - pose[2]
-    return np.array([speed, speed * ((angle + np.pi) % (2 * np.pi) - np.pi)])
-
-
-def _fixed_frame(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
-    way = _target(pose, path, lookahead) - pose[:2]
-    return np.array([speed, 2 * speed * way[1] / (way @ way)])
-
-
-def _distance_once(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
-    distance = np.linalg.norm(_target(pose, path, lookahead) - pose[:2])
-    return pure_pursuit(pose, path, lookahead, speed) * (1.0, distance)
+    dx, dy = _ahead(path, pose[:2], lookahead) - pose[:2]
+    return np.array([speed, speed * wrap(np.arctan2(dy, dx) - pose[2])])
 
 
 PURSUIT = Exercise(
     number="5.7",
     title="Pure pursuit",
     reference=pure_pursuit,
+    oracle="the_arc_ends_on_the_point_ahead",
     cases=_cases,
     mistakes={
         "it turns half as much as it must: the curvature is 2 y_L / d^2, with the factor 2": (
-            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) * (1.0, 0.5)
+            _turning(lambda d, ahead, v: 0.5)
         ),
         "you look ahead from the start of the path: count from the point nearest the vehicle": (
-            lambda pose, path, ahead, v: _steer(pose, _at(path, ahead), v)
+            lambda pose, path, ahead, v: _steer(pose, _ahead(path, path[0], ahead), v)
         ),
         "you steer to the nearest point itself: go on along the path by the look-ahead": (
             lambda pose, path, ahead, v: pure_pursuit(pose, path, 0.0, v)
@@ -130,27 +110,27 @@ PURSUIT = Exercise(
         "you start from the nearest way-point: the nearest point may lie between two": (
             _nearest_vertex
         ),
-        "you steer to a way-point: the point ahead may lie between two, interpolate": (
-            _vertex_ahead
-        ),
+        "you steer to a way-point: the point ahead may lie between two, interpolate": _vertex_ahead,
         "it turns away from the path: y_L is positive to the left, and so is omega": (
-            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) * (1.0, -1.0)
+            _turning(lambda d, ahead, v: -1)
         ),
-        "y_L is measured in the vehicle's frame: turn the difference by -theta": _fixed_frame,
+        "y_L is measured in the vehicle's frame: turn the difference by -theta": (
+            lambda pose, *given: pure_pursuit(pose * (1, 1, 0), *given)
+        ),
         (
             "d is the straight way from the vehicle to the point, not the look-ahead along the path"
-        ): _lookahead_for_distance,
+        ): _turning(lambda d, ahead, v: (d / ahead) ** 2),
         (
             "you steer to where the path leaves the circle about the vehicle, as the library does: "
             "here the look-ahead is counted along the path"
         ): _leaves_the_circle,
-        "the curvature is 2 y_L over d squared: you divide by d once": _distance_once,
+        "the curvature is 2 y_L over d squared: you divide by d once": (
+            _turning(lambda d, ahead, v: d)
+        ),
         "you turn in proportion to the angle: the arc to the point has curvature 2 y_L / d^2": (
             _by_angle
         ),
-        "that is the curvature: omega is v times as much": (
-            lambda pose, path, ahead, v: pure_pursuit(pose, path, ahead, v) / (1.0, v)
-        ),
+        "that is the curvature: omega is v times as much": _turning(lambda d, ahead, v: 1 / v),
     },
     hints=(
         "Three steps: the point nearest the vehicle, the point so far ahead along the path, the "

@@ -1,0 +1,123 @@
+"""What proves the references of lesson 05: the plane as complex numbers, costs and runs.
+
+Places are complex, x + iy; dividing by e^(i theta) looks at them from a heading theta.
+"""
+
+import numpy as np
+from numpy.testing import assert_allclose
+
+from backhoe.vehicle import tracking
+
+
+def places(points):
+    return np.asarray(points) @ (1, 1j)
+
+
+def segments(path):
+    """Starts, directions and lengths of the segments."""
+    path = places(path)
+    ways = np.diff(path)
+    return path[:-1], ways / abs(ways), abs(ways)
+
+
+def apart(points, path):
+    """Distance of each point to each segment, and how far along it lies, shapes (K, N)."""
+    start, direction, length = segments(path)
+    seen = (places(points)[:, None] - start) / direction
+    beyond = np.maximum(0, np.maximum(-seen.real, seen.real - length))
+    return np.hypot(beyond, seen.imag), seen.real
+
+
+def a_run_out_and_once_round(answer):
+    """The way out and a hundred thousand chords of the circle, less 1.084 times the chords."""
+    chords = abs(np.diff(1.5 * np.exp(2j * np.pi * np.linspace(0, 1, 100_001)))).sum()
+    assert_allclose(answer, 1.5 + chords - 1.084 * chords, rtol=1e-6)
+
+
+def distances_in_the_frames_of_the_segments(answer, actual, reference):
+    """Each segment is turned onto the x axis; mean, spread and lengths are summed up."""
+    d = apart(actual, reference)[0].min(axis=1)
+    mean = sum(d) / len(d)
+    spread = (sum(d**2) / len(d) - mean**2) ** 0.5
+    driven, whole = (segments(points)[2].sum() for points in (actual, reference))
+    assert_allclose(answer, (mean, spread, sorted(d)[-1], driven / whole), rtol=1e-9)
+
+
+def seen_from_the_vehicle(answer, pose, waypoint, next_waypoint):
+    """The way-point in the vehicle's frame, and the way on from it turned back by alpha."""
+    here, there, beyond = places([pose[:2], waypoint, next_waypoint])
+    rho, dy, alpha = answer
+    seen = (there - here) / np.exp(1j * pose[2])
+    assert_allclose((rho, dy), (abs(seen), seen.imag), rtol=1e-9)
+    assert_allclose(np.exp(1j * (pose[2] + alpha)), (beyond - there) / abs(beyond - there))
+    assert -np.pi < alpha <= np.pi
+
+
+def the_nearest_that_the_wheels_can_do(answer, limits, v, omega):
+    """No wheel is too fast; who gets less than asked runs on to a limit, and omega comes first."""
+    given_v, given_omega = answer
+    sides = (
+        given_v + limits.half_track * np.array([-given_omega, given_omega])
+    ) / limits.wheel_radius
+    spare = limits.wheel_speed - abs(sides).max()
+    assert spare > -1e-9
+    if not np.isclose(given_omega, omega, rtol=1e-9):
+        assert abs(given_v) < 1e-9 > spare and 0 < given_omega / omega < 1
+    if not np.isclose(given_v, v, rtol=1e-9):
+        assert spare < 1e-9 and -1e-9 < given_v / v < 1
+
+
+def velocities_add_up(answer, time, dt, points, times):
+    """The place is where the velocities lead, each for as long as it has been driven."""
+    durations = np.diff(times)
+    driven = np.clip(time + dt - times[:-1], 0, durations)
+    assert_allclose(answer, points[0] + (driven / durations) @ np.diff(points, axis=0), rtol=1e-9)
+
+
+def the_least_of_the_cost(answer, pose, goal, dt, kv2, kw2):
+    """A step of Newton's from there, with differences of the cost (6.12), leads nowhere."""
+    way = (places([goal])[0] - places([pose[:2]])[0]) / np.exp(1j * pose[2])
+    effort = dt**2 * (1 / np.array([kv2, kw2]) - 1)
+
+    def cost(u):
+        miss = abs(way - u[0] * dt) ** 2 + (np.angle(way) - u[1] * dt) ** 2
+        return miss + effort @ u**2
+
+    u = np.array(answer)
+    behind, here, ahead = (np.array([cost(u + s * e) for e in np.eye(2)]) for s in (-1, 0, 1))
+    step = (behind - ahead) / (2 * (ahead - 2 * here + behind))
+    assert_allclose(u + step, u, rtol=1e-6)
+
+
+def the_arc_ends_on_the_point_ahead(answer, pose, path, lookahead, speed):
+    """Driven for twice the bearing, the arc ends where a walk along the path ends."""
+    d, along = apart([pose[:2]], path)
+    near = d[0].argmin()
+    start, direction, length = segments(path)
+    left = length[:near].sum() + np.clip(along[0, near], 0, length[near]) + lookahead
+    walked = np.clip(left - np.append(0, np.cumsum(length[:-1])), 0, length)
+    target = start[0] + walked @ direction
+    here, heading = places([pose[:2]])[0], np.exp(1j * pose[2])
+    v, omega = answer
+    turn = 2 * np.angle((target - here) / heading)
+    assert_allclose(v, speed)
+    assert_allclose(here + v / (1j * omega) * heading * (np.exp(1j * turn) - 1), target, rtol=1e-9)
+
+
+def it_trails_by_the_rate_over_the_gain(tracker):
+    """With a gain of 4 / s it is 0.4 / 4 m late on a line, and looks 0.4 / 4 rad into a circle."""
+    line = tracking.from_points([(0, 0), (6, 0)])
+    circle = tracking.circle(1.0, centre=(0, 1), start_angle=-np.pi / 2, points=2000)
+    late, aside = [], []
+    for path in (line, circle):
+        run = tracking.follow(
+            tracker, tracking.IdealPlant(0.05), path.with_times(0.4), mode="trajectory"
+        )
+        seen = places(run.goal - run.pose[:, :2]) / np.exp(1j * run.pose[:, 2])
+        late.append(abs(seen[-20:-5]))
+        aside.append(np.angle(seen[-20:-5]))
+    assert_allclose(late[0], 0.1, rtol=1e-3)
+    assert_allclose(aside[1], 0.1, rtol=1e-3)
+    behind = tracking.Goal(np.array([-1.0, 0.1]), np.zeros(2), 0.4, np.zeros((2, 2)), 0.0)
+    v, omega = tracker(np.array([0, 0, 2 * np.pi]), np.zeros(2), behind, 0.05)
+    assert_allclose((v, omega), (0, 4 * (np.pi - np.arctan(0.1))), rtol=1e-9)

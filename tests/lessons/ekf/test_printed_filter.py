@@ -88,5 +88,5 @@ def test_the_ancestor_never_doubts_a_millimetre_however_far_it_goes(trials):
 def test_settings_of_the_printed_filters_are_checked(drive):
     with pytest.raises(ValueError, match="motion must be one of still, printed"):
         printed_filter.as_printed(drive, motion="fast")
-    with pytest.raises(ValueError, match="R_imu must be a positive variance"):
+    with pytest.raises(ValueError, match="R_imu must be one number above 0"):
         printed_filter.as_ancestor(drive, R_imu=0.0)

@@ -120,10 +120,10 @@ def transition_421(A: ArrayLike) -> NDArray:
     """(4.21) with (4.20): the Jacobian of the rate of x, taken for F.
 
     Args:
-        A: df/dx of dx/dt = f, shape (n, n) [1/s].
+        A: df/dx of dx/dt = f, shape (n, n) [units of x_i / x_j, a second].
 
     Returns:
-        A itself [1/s], where F has no unit.
+        A itself; F has no seconds in its units.
     """
     return numbers(A, "A", ("n", "n")).copy()
 

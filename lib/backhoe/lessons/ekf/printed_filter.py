@@ -15,27 +15,35 @@ Source: Mastalli 2013, eqs. (4.24) to (4.27); odom_estimation.cpp of ros-plannin
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.inputs import choice, numbers, positive
 from backhoe.lessons.ekf.printed import H_IMU_427, H_ODOM_426, jacobian_425, motion_424
 from backhoe.localisation import odometry
 from backhoe.localisation.drives import Recording
-from backhoe.localisation.fusion.checks import not_negative, start_pose
-from backhoe.localisation.fusion.estimate import Estimate, Log
-from backhoe.localisation.fusion.honest import START_STD, dead_reckoning
-from backhoe.localisation.fusion.sampling import RATE, Increments, increments
+from backhoe.localisation.fusion import (
+    RATE,
+    START_STD,
+    Estimate,
+    Increments,
+    dead_reckoning,
+    increments,
+)
+from backhoe.localisation.fusion.estimate import Log
 from backhoe.localisation.kalman import BatchExtendedKalmanFilter
 from backhoe.vehicle.tracks import tracks_twist
 
-__all__ = ["MOTIONS", "PRINTED_Q", "as_ancestor", "as_printed"]
+__all__ = ["PRINTED_Q", "as_ancestor", "as_printed"]
 
 MOTIONS = ("still", "printed")
 
 PRINTED_Q = (0.02**2, 0.02**2, 0.02**2, 0.02**2, 0.02**2, 0.02**2)
 """What a cycle adds [m^2, rad^2]: ours, none is printed. At 0.5 m/s the machine moves 0.017 m."""
 
-_ANCESTOR_Q = 1000.0**2
+_ANCESTOR_Q = 6 * (1000.0**2,)
 _POSE = [0, 1, 5]
 
 
@@ -60,7 +68,7 @@ def as_printed(
             stay; or "printed", (4.24) with the speeds of the odometry and no T_s.
         Q: variances that a cycle adds, shape (6,) [m^2, rad^2].
         R_odometry, R_imu: variances of each pose and each angle [m^2, rad^2].
-        start: pose at the start, shape (3,) or (runs, 3); default the truth.
+        start: pose at the start, shape (3,) or (runs, 3) [m, m, rad]; default the truth.
         start_std: its standard deviations, shape (3,) [m, m, rad].
         rate: cycles a second [Hz].
 
@@ -70,29 +78,18 @@ def as_printed(
     Raises:
         ValueError: an unknown motion, or a number out of range.
     """
-    if motion not in MOTIONS:
-        raise ValueError(f"motion must be one of {', '.join(MOTIONS)}, got {motion!r}")
-    steps = increments(recording, rate, use="latest")
-    reckoned = np.atleast_3d(_runs(dead_reckoning(recording, start=start, rate=rate).pose))
-    speed, omega = _speeds(recording, steps, motion)
-    yaws = np.atleast_2d(steps.yaw)
-    filter_ = BatchExtendedKalmanFilter(
-        lambda x, u, dt: motion_424(x, u[:, 0], u[:, 1], dt),
-        lambda x, u, dt: jacobian_425(x, u[:, 0], u[:, 1], dt),
-        None,
-        None,
-        np.diag(np.asarray(Q, dtype=float)),
-        None,
-        *_start(start_pose(recording, start), start_std),
-        angles=(3, 4, 5),
-    )
-    noise = _variances("R_odometry", R_odometry), _variances("R_imu", R_imu)
-    log = Log(filter_.x, filter_.P, steps, _POSE)
-    for k, dt in enumerate(steps.dt.tolist()):
-        filter_.predict(np.stack([speed[:, k], omega[:, k]], axis=-1), dt)
-        _measure(filter_, reckoned[:, k + 1], yaws[:, k], noise)
-        log.add(filter_.x, filter_.P, None)
-    return log.estimate("filter as printed", steps.time, recording.left.ndim == 1)
+    choice(motion, "motion", MOTIONS)
+    R = positive(R_odometry, "R_odometry"), positive(R_imu, "R_imu")
+    reckoned, yaws, steps = _odometry(recording, start, rate)
+    u = np.zeros((*yaws.shape, 2))
+    if motion == "printed":
+        sides = np.atleast_2d(steps.left), np.atleast_2d(steps.right)
+        u = np.stack(tracks_twist(*sides, recording.machine), axis=-1) / steps.dt[:, None]
+
+    def measured(k: int, dt: float, last: NDArray) -> tuple:
+        return reckoned[:, k + 1], yaws[:, k], R
+
+    return _filtered("filter as printed", reckoned[:, 0], start_std, steps, u, Q, measured)
 
 
 def as_ancestor(
@@ -114,7 +111,7 @@ def as_ancestor(
     (4.27), repeats without the relative measurements.
 
     Args:
-        recording, R_odometry, R_imu, start, start_std, rate: as `as_printed`.
+        recording, R_odometry, R_imu, start, start_std, rate: as for `as_printed`.
 
     Returns:
         The estimate; state x, y, z, roll, pitch, yaw.
@@ -122,69 +119,64 @@ def as_ancestor(
     Raises:
         ValueError: a number out of range.
     """
-    steps = increments(recording, rate, use="latest")
-    reckoned = _runs(dead_reckoning(recording, start=start, rate=rate).pose)
+    R = np.array([positive(R_odometry, "R_odometry"), positive(R_imu, "R_imu")])
+    reckoned, yaws, steps = _odometry(recording, start, rate)
     moved = odometry.relative(reckoned[:, :-1], reckoned[:, 1:])
-    yaws = np.atleast_2d(steps.yaw)
-    turned = np.diff(yaws, axis=1, prepend=np.nan)
+    u = np.zeros((*yaws.shape, 2))
+
+    def measured(k: int, dt: float, last: NDArray) -> tuple:
+        yaw = last[:, 2] + (yaws[:, k] - yaws[:, k - 1]) if k else None
+        return odometry.compose(last, moved[:, k]), yaw, R * dt**2
+
+    return _filtered("its ancestor", reckoned[:, 0], start_std, steps, u, _ANCESTOR_Q, measured)
+
+
+def _odometry(
+    recording: Recording, start: ArrayLike | None, rate: float
+) -> tuple[NDArray, NDArray, Increments]:
+    """Poses of the odometry (runs, K+1, 3), newest yaws (runs, K), and the increments."""
+    poses = dead_reckoning(recording, start=start, rate=rate).pose
+    steps = increments(recording, rate, use="latest")
+    return poses.reshape(-1, *poses.shape[-2:]), np.atleast_2d(steps.yaw), steps
+
+
+def _filtered(
+    name: str,
+    start: NDArray,
+    start_std: ArrayLike,
+    steps: Increments,
+    u: NDArray,
+    Q: ArrayLike,
+    measured: Callable[[int, float, NDArray], tuple],
+) -> Estimate:
+    """The filter's estimate with (4.26) and (4.27).
+
+    measured(k, dt, pose before) gives a cycle's pose (runs, 3), yaw (runs,) or None, and the
+    variances of both.
+    """
+    x0, P0 = np.zeros((len(start), 6)), np.zeros((6, 6))
+    x0[:, _POSE] = start
+    P0[_POSE, _POSE] = numbers(start_std, "start_std", (3,)) ** 2
     filter_ = BatchExtendedKalmanFilter(
-        lambda x, u, dt: motion_424(x, np.zeros(len(x)), np.zeros(len(x)), dt),
-        np.eye(6),
+        lambda x, u, dt: motion_424(x, u[:, 0], u[:, 1], dt),
+        lambda x, u, dt: jacobian_425(x, u[:, 0], u[:, 1], dt),
         None,
         None,
-        _ANCESTOR_Q * np.eye(6),
+        np.diag(numbers(Q, "Q", (6,))),
         None,
-        *_start(start_pose(recording, start), start_std),
+        x0,
+        P0,
         angles=(3, 4, 5),
     )
-    odometer, imu = _variances("R_odometry", R_odometry), _variances("R_imu", R_imu)
-    log = Log(filter_.x, filter_.P, steps, _POSE)
+    log, z = Log(filter_.x, filter_.P, steps, _POSE), np.zeros_like(x0)
     for k, dt in enumerate(steps.dt.tolist()):
         last = filter_.x[:, _POSE]
-        filter_.predict(None, dt)
-        carried = odometry.compose(last, moved[:, k])
-        yaw = None if k == 0 else last[:, 2] + turned[:, k]
-        _measure(filter_, carried, yaw, (odometer * dt**2, imu * dt**2))
+        filter_.predict(u[:, k], dt)
+        z[:, _POSE], yaw, variances = measured(k, dt, last)
+        filter_.update(z, H=H_ODOM_426, R=variances[0] * np.eye(6))
+        if yaw is not None:
+            z[:, _POSE] = 0.0
+            z[:, 5] = yaw
+            filter_.update(z, H=H_IMU_427, R=variances[1] * np.eye(6))
         log.add(filter_.x, filter_.P, None)
-    return log.estimate("its ancestor", steps.time, recording.left.ndim == 1)
-
-
-def _measure(
-    filter_: BatchExtendedKalmanFilter,
-    pose: NDArray,
-    yaw: NDArray | None,
-    noise: tuple[NDArray, NDArray],
-) -> None:
-    """Updates by (4.26) and, unless yaw is None, by (4.27)."""
-    z = np.zeros((len(pose), 6))
-    z[:, _POSE] = pose
-    filter_.update(z, H=H_ODOM_426, R=noise[0])
-    if yaw is not None:
-        z = np.zeros((len(pose), 6))
-        z[:, 5] = yaw
-        filter_.update(z, H=H_IMU_427, R=noise[1])
-
-
-def _speeds(recording: Recording, steps: Increments, motion: str) -> tuple[NDArray, NDArray]:
-    left, right = np.atleast_2d(steps.left), np.atleast_2d(steps.right)
-    if motion == "still":
-        return np.zeros_like(left), np.zeros_like(left)
-    way, turn = tracks_twist(left, right, recording.machine)
-    return way / steps.dt, turn / steps.dt
-
-
-def _start(pose: NDArray, std: ArrayLike) -> tuple[NDArray, NDArray]:
-    x0, P0 = np.zeros((len(pose), 6)), np.zeros((6, 6))
-    x0[:, _POSE] = pose
-    P0[_POSE, _POSE] = np.asarray(std, dtype=float) ** 2
-    return x0, P0
-
-
-def _variances(name: str, value: float) -> NDArray:
-    if not_negative(name, value) == 0:
-        raise ValueError(f"{name} must be a positive variance, got 0")
-    return float(value) * np.eye(6)
-
-
-def _runs(poses: NDArray) -> NDArray:
-    return poses[None] if poses.ndim == 2 else poses
+    return log.estimate(name, steps.time, steps.left.ndim == 1)

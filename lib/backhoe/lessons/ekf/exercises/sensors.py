@@ -5,43 +5,39 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.lessons.ekf.printed import attitude_422
 from backhoe.lessons.exercise import Exercise
+from backhoe.localisation import imu
+from backhoe.localisation.imu import attitude_from_gravity
 
 
-def attitude_from_gravity(force: NDArray) -> NDArray:
-    """Roll and pitch of a machine at rest, shape (2,) [rad]: (4.22) repaired."""
-    a_x, a_y, a_z = force
-    return np.array([np.arctan2(a_y, a_z), np.arctan2(-a_x, np.hypot(a_y, a_z))])
+def _forces(rng: np.random.Generator) -> list[tuple]:
+    attitudes = rng.uniform((-2.8, -1.2, -3.0), (2.8, 1.2, 3.0), (40, 3))
+    return [(force,) for force in imu.specific_force(np.zeros((40, 3)), attitudes)]
 
 
-def _cases(rng: np.random.Generator) -> list[tuple]:
-    cases = []
-    for _ in range(40):
-        roll, pitch = rng.uniform((-2.8, -1.2), (2.8, 1.2))
-        level = np.array(
-            [-np.sin(pitch), np.sin(roll) * np.cos(pitch), np.cos(roll) * np.cos(pitch)]
-        )
-        cases.append((9.81 * level,))
-    return cases
+def _roll_by(roll: object) -> object:
+    """The right pitch beside another roll."""
+    return lambda force: np.array([roll(*force), attitude_from_gravity(force)[1]])
 
 
-def _printed(force: NDArray) -> NDArray:
-    a_x, a_y, a_z = force
-    return np.arctan(np.array([a_x / np.hypot(a_y, a_z), a_y / np.hypot(a_x, a_z)]))
+def _flat_pitch(force: NDArray) -> NDArray:
+    return np.array([attitude_from_gravity(force)[0], np.arctan2(-force[0], force[2])])
 
 
 GRAVITY = Exercise(
     number="7.4",
     title="Repair (4.22)",
     reference=attitude_from_gravity,
-    cases=_cases,
+    cases=_forces,
+    oracle="gravity_turned_into_the_machine",
     mistakes={
-        "that is (4.22) as printed: roll and pitch are swapped, and a sign is lost": _printed,
+        "that is (4.22) as printed: roll and pitch are swapped, and a sign is lost": attitude_422,
         "the names are right now; the sign of the pitch and the formula of the roll are not": (
-            lambda force: _printed(force)[::-1]
+            lambda force: attitude_422(force)[::-1]
         ),
         "the pitch is right; arctan(a_y / sqrt(a_x^2 + a_z^2)) is no Euler angle": (
-            lambda force: np.array([_printed(force)[1], attitude_from_gravity(force)[1]])
+            _roll_by(lambda x, y, z: np.arctan(y / np.hypot(x, z)))
         ),
         "the sign of the pitch: nose down, x tips towards gravity and feels less than 0": (
             lambda force: attitude_from_gravity(force) * (1, -1)
@@ -49,22 +45,14 @@ GRAVITY = Exercise(
         "the sign of the roll: left side up, y points up a little and feels more than 0": (
             lambda force: attitude_from_gravity(force) * (-1, 1)
         ),
-        "roll and pitch are swapped: roll first": (
-            lambda force: attitude_from_gravity(force)[::-1]
-        ),
+        "roll and pitch are swapped: roll first": lambda force: attitude_from_gravity(force)[::-1],
         "a machine on its roof looks upright: np.arctan2 keeps the quadrant": (
-            lambda force: np.array(
-                [np.arctan(force[1] / force[2]), attitude_from_gravity(force)[1]]
-            )
+            _roll_by(lambda x, y, z: np.arctan(y / z))
         ),
         "these are degrees: radians inside, degrees only at the edge": (
             lambda force: np.degrees(attitude_from_gravity(force))
         ),
-        "the pitch forgets a_y: what is left of gravity is sqrt(a_y^2 + a_z^2)": (
-            lambda force: np.array(
-                [np.arctan2(force[1], force[2]), np.arctan2(-force[0], force[2])]
-            )
-        ),
+        "the pitch forgets a_y: what is left of gravity is sqrt(a_y^2 + a_z^2)": _flat_pitch,
     },
     hints=(
         "At rest the force is g (-sin pitch, sin roll cos pitch, cos roll cos pitch).",

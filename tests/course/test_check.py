@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 import warnings
+from collections import namedtuple
 from functools import partial
 from types import SimpleNamespace
 
@@ -47,6 +48,10 @@ def root(x):
     if x < 0:
         raise ValueError("no root")
     return np.sqrt(x)
+
+
+def seven(pair):
+    return 7.0
 
 
 def four_thirds():
@@ -399,6 +404,19 @@ class TestForms:
 
         assert said("9.1", spoils).endswith("it also changes q in place")
 
+    def test_names_a_record_whose_part_was_changed(self, capsys):
+        Pair = namedtuple("Pair", "first second")
+
+        def spoils(pair):
+            pair.second[0] = 7.0
+            return 7.0
+
+        exercise = Exercise(
+            "9.60", "A record", seven, lambda rng: [(Pair(np.zeros(2), np.ones(2)),)] * 2
+        )
+        Check(SimpleNamespace(find=lambda number: exercise))("9.60", spoils)
+        assert "changes its argument pair in place" in capsys.readouterr().out
+
     def test_one_changed_input_does_not_spoil_the_next(self, said):
         before = EXERCISES["9.1"].inputs()[0][0]
         said("9.1", lambda q: q.fill(0))
@@ -686,6 +704,12 @@ class TestSolution:
         printed = capsys.readouterr().out
         assert printed.startswith(f"exercise 9.2: one solution, {__name__}.stretch:\n\n")
         assert printed.endswith("def stretch(v):\n    return 2 * v + 1\n")
+
+    def test_shows_the_settings_of_a_function_that_takes_more(self, capsys):
+        exercise = Exercise("9.61", "With b", partial(slope, b=2.0), lambda rng: [(1.0,)])
+        Check(SimpleNamespace(find=lambda number: exercise)).solution("9.61")
+        first = capsys.readouterr().out.splitlines()[0]
+        assert first == f"exercise 9.61: one solution, {__name__}.slope, b=2.0:"
 
     def test_shows_a_value(self, said, capsys):
         Check(OURS).solution("9.9")

@@ -106,6 +106,8 @@ def _copy(value: object) -> object:
         return value.copy()
     if type(value) in (list, tuple):
         return type(value)(_copy(one) for one in value)
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return type(value)(*map(_copy, value))
     return {key: _copy(one) for key, one in value.items()} if type(value) is dict else value
 
 
@@ -191,7 +193,7 @@ def _same(one: object, other: object) -> bool:
         return np.shape(one) == other.shape and np.array_equal(
             one, other, equal_nan=other.dtype.kind in "fc"
         )
-    if type(other) in (list, tuple):
+    if isinstance(other, list | tuple):
         return type(one) is type(other) and len(one) == len(other) and all(map(_same, one, other))
     if type(other) is dict:
         return list(one) == list(other) and all(_same(one[key], other[key]) for key in other)

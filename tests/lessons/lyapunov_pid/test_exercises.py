@@ -5,21 +5,12 @@ import numpy as np
 from backhoe.arm import lyapunov
 from backhoe.course import catalogue
 from backhoe.course.checking import Check
-from backhoe.lessons.lyapunov_pid.exercises.constants import certificate
 from backhoe.lessons.lyapunov_pid.exercises.digital import digital_pid
 
 
 def said(capsys, number, answer):
     Check(catalogue)(number, answer)
     return capsys.readouterr().out
-
-
-def test_a_negative_distance_must_stay_negative(capsys):
-    def clipped(*inputs):
-        lowest, highest, region = certificate(*inputs)
-        return lowest, highest, max(region, 0.0)
-
-    assert "leave it as it is" in said(capsys, "3.5", clipped)
 
 
 def test_the_first_sample_that_differs_is_named(capsys):

@@ -3,18 +3,9 @@
 from backhoe.lessons.lyapunov_pid.exercises.clock import CLOCK
 from backhoe.lessons.lyapunov_pid.exercises.constants import CERTIFICATE, GRAVITY_CONSTANT
 from backhoe.lessons.lyapunov_pid.exercises.digital import DIGITAL
-from backhoe.lessons.lyapunov_pid.exercises.loop import ACCELERATION, FUNCTION, INTEGRAL
+from backhoe.lessons.lyapunov_pid.exercises.loop import FUNCTION, INTEGRAL, RATE
 from backhoe.lessons.lyapunov_pid.exercises.tuned import TUNED
 
 __all__ = ["EXERCISES"]
 
-EXERCISES = (
-    INTEGRAL,
-    ACCELERATION,
-    FUNCTION,
-    GRAVITY_CONSTANT,
-    CERTIFICATE,
-    CLOCK,
-    TUNED,
-    DIGITAL,
-)
+EXERCISES = (INTEGRAL, RATE, FUNCTION, GRAVITY_CONSTANT, CERTIFICATE, CLOCK, TUNED, DIGITAL)

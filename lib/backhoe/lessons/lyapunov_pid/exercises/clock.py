@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from backhoe.arm import dynamics
+from backhoe.arm.dynamics import mass_matrix
+from backhoe.arm.lyapunov import effective_inertia
 from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.lyapunov_pid.exercises.loop import RADIANS
 from backhoe.machine import BACKHOE
@@ -13,7 +14,7 @@ from backhoe.machine import BACKHOE
 
 def clock_limit(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
     """Largest factor on kd for which damping with torques held for dt is stable."""
-    rates = np.linalg.eigvals(np.linalg.solve(dynamics.mass_matrix(q), np.diag(kd)))
+    rates = np.linalg.eigvals(np.linalg.solve(mass_matrix(q), np.diag(kd)))
     return 2 / (dt * rates.real.max())
 
 
@@ -28,28 +29,11 @@ def _cases(rng: np.random.Generator) -> list[tuple]:
     ]
 
 
-def _diagonal(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
-    return (2 * np.diag(dynamics.mass_matrix(q)) / (dt * kd)).min()
-
-
-def _apart(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
-    effective = 1 / np.diag(np.linalg.inv(dynamics.mass_matrix(q)))
-    return (2 * effective / (dt * kd)).min()
-
-
-def _extremes(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
-    return 2 * np.linalg.eigvalsh(dynamics.mass_matrix(q))[0] / (dt * np.max(kd))
-
-
-def _slowest(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
-    rates = np.linalg.eigvals(np.linalg.solve(dynamics.mass_matrix(q), np.diag(kd)))
-    return 2 / (dt * rates.real.min())
-
-
 CLOCK = Exercise(
     number="3.6",
     title="what the clock allows",
     reference=clock_limit,
+    oracle="speed_turns_round_and_keeps_its_size",
     cases=_cases,
     tested_on="30 random postures, gains and sampling times",
     hints=(
@@ -61,19 +45,19 @@ CLOCK = Exercise(
             lambda q, kd, dt: clock_limit(q, kd, dt) / 2
         ),
         "the joints do not move apart: the diagonal of M is too heavy for the bucket alone": (
-            _diagonal
+            lambda q, kd, dt: (2 * np.diag(mass_matrix(q)) / (dt * kd)).min()
         ),
         "nearly: 1/(M^-1)_jj is each joint's effective inertia, but K_d acts on all at once": (
-            _apart
+            lambda q, kd, dt: (2 * effective_inertia(q) / (dt * kd)).min()
         ),
         "that is safe but too strict: the lightest motion does not have the largest damper": (
-            _extremes
+            lambda q, kd, dt: clock_limit(q, np.full(4, kd.max()), dt)
         ),
-        "that is the last eigenvalue to become unstable, not the first": _slowest,
+        "that is the last eigenvalue to become unstable, not the first": (
+            lambda q, kd, dt: 2 / dt * np.linalg.eigvals(mass_matrix(q) / kd).real.max()
+        ),
         "K_d / M, not K_d times M: heavy joints bear more damping": (
-            lambda q, kd, dt: (
-                2 / (dt * np.linalg.eigvals(dynamics.mass_matrix(q) @ np.diag(kd)).real.max())
-            )
+            lambda q, kd, dt: 2 / (dt * np.linalg.eigvals(mass_matrix(q) * kd).real.max())
         ),
         "dt is missing: the slower the clock, the less damping it bears": (
             lambda q, kd, dt: dt * clock_limit(q, kd, dt)
@@ -81,6 +65,6 @@ CLOCK = Exercise(
         "that is how far the gains are used up; asked is the factor that is still allowed": (
             lambda q, kd, dt: 1 / clock_limit(q, kd, dt)
         ),
-        (RADIANS): (lambda q, kd, dt: clock_limit(np.radians(q), kd, dt)),
+        RADIANS: lambda q, kd, dt: clock_limit(np.radians(q), kd, dt),
     },
 )

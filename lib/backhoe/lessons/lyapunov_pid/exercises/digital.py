@@ -32,6 +32,22 @@ def digital_pid(kp: NDArray, ki: NDArray, kd: NDArray, dt: float, limit: NDArray
     return step
 
 
+def _frozen(old: NDArray, new: NDArray, low: NDArray, high: NDArray) -> NDArray:
+    return np.where((new > np.maximum(old, high)) | (new < np.minimum(old, low)), old, new)
+
+
+def _cut(old: NDArray, new: NDArray, low: NDArray, high: NDArray) -> NDArray:
+    return np.clip(new, np.minimum(old, low), np.maximum(old, high))
+
+
+def _stuck(old: NDArray, new: NDArray, low: NDArray, high: NDArray) -> NDArray:
+    return np.where((new > high) | (new < low), old, new)
+
+
+def _wrong_side(old: NDArray, new: NDArray, low: NDArray, high: NDArray) -> NDArray:
+    return np.where(new == _frozen(old, new, low, high), _stuck(old, new, low, high), new)
+
+
 def _variant(
     kp: NDArray,
     ki: NDArray,
@@ -39,88 +55,66 @@ def _variant(
     dt: float,
     limit: NDArray,
     *,
-    kick: bool = False,
-    start: str = "known",
+    rule: Callable[..., NDArray] = _frozen,
     late: bool = False,
-    sum_step: float | None = None,
-    rate_step: float | None = None,
-    reference_rate: float = 1.0,
-    rule: str = "inwards",
-    limited: bool = True,
-    forgets: bool = False,
+    kick: bool = False,
+    kept: float = 1.0,
+    moving: float = 1.0,
+    last: NDArray | None = None,
 ) -> Step:
-    """The same PID with one thing changed; `rule` says when a loop at its limit may integrate."""
-    sum_step, rate_step = sum_step or dt, rate_step or dt
-    integral, before, last, error_before = np.zeros(len(kp)), np.zeros(len(kp)), None, None
+    """The same PID with one thing changed: `rule` takes old and new integral and its bounds."""
+    integral = before = np.zeros(len(kp))
+    aim = None
 
     def step(reference: NDArray, rate: NDArray, measured: NDArray) -> NDArray:
-        nonlocal integral, before, last, error_before
+        nonlocal integral, before, aim, last
+        rate = (reference - aim) / dt if kick and aim is not None else moving * rate
         error = reference - measured
-        if kick:
-            change = 0 * error if error_before is None else (error - error_before) / rate_step
-        elif last is None:
-            change = reference_rate * rate - (rate if start == "known" else measured / rate_step)
-            change = change if reference_rate else 0 * rate
-        else:
-            change = reference_rate * rate - (measured - last) / rate_step
-        others = kp * error + kd * change
-        old = 0 * integral if forgets else integral
-        new = old + ki * sum_step * (before if late else error)
-        highest, lowest = limit - others, -limit - others
-        outwards = ((new > highest) & (new > old)) | ((new < lowest) & (new < old))
-        saturated = (new > highest) | (new < lowest)
-        if rule == "cut":
-            integral = np.minimum(new, np.maximum(old, highest))
-            integral = np.maximum(integral, np.minimum(old, lowest))
-        else:
-            kept = {"inwards": outwards, "saturated": saturated, "outwards": saturated & ~outwards}
-            integral = np.where(kept.get(rule, False), old, new)
-        before, last, error_before = error, np.array(measured), error
-        free = others + integral
-        return np.clip(free, -limit, limit) if limited else free
+        speed = rate if last is None else (measured - last) / dt
+        others = kp * error + kd * (rate - speed)
+        old = kept * integral
+        new = old + ki * dt * (before if late else error)
+        integral = rule(old, new, -limit - others, limit - others)
+        before, aim, last = error, reference, measured
+        return np.clip(others + integral, -limit, limit)
 
     return step
 
 
-_cutting = partial(_variant, rule="cut")
-
-
-def _other_sign(kp: NDArray, ki: NDArray, kd: NDArray, dt: float, limit: NDArray) -> Step:
-    return digital_pid(kp, ki, -kd, dt, limit)
-
-
 MISTAKES = {
     "the integral without dt: faster sampling would make it stronger": (
-        partial(_variant, sum_step=1.0)
+        lambda kp, ki, kd, dt, limit: digital_pid(kp, ki / dt, kd, dt, limit)
     ),
-    "the measured speed is a difference divided by dt": partial(_variant, rate_step=1.0),
+    "the measured speed is a difference divided by dt": (
+        lambda kp, ki, kd, dt, limit: _variant(kp, ki, kd * dt, dt, limit, moving=1 / dt)
+    ),
     "the difference of the error kicks when the reference jumps: rate less measured speed": (
         partial(_variant, kick=True)
     ),
     "the reference moves: K_d times (rate - measured speed), or the joint lags behind": (
-        partial(_variant, reference_rate=0.0)
+        partial(_variant, moving=0.0)
     ),
-    "the sign of the derivative: a measurement that rises must lower the output": _other_sign,
+    "the sign of the derivative: a measurement that rises must lower the output": (
+        lambda kp, ki, kd, dt, limit: digital_pid(kp, ki, -kd, dt, limit)
+    ),
     "the first sample has no sample before it: let its derivative term be zero": (
-        partial(_variant, start="zero")
+        partial(_variant, last=0.0)
     ),
-    "the sum in (3.28) goes up to k: the present error belongs to it": (
-        partial(_variant, late=True)
-    ),
+    "the sum in (3.28) goes up to k: the present error belongs to it": partial(_variant, late=True),
     "the output is limited, but the integral goes on growing meanwhile: it winds up": (
-        partial(_variant, rule="always")
+        partial(_variant, rule=lambda old, new, low, high: new)
     ),
     "the integral stands still whenever the output is at its limit: let it come back in": (
-        partial(_variant, rule="saturated")
+        partial(_variant, rule=_stuck)
     ),
     "clamped on the wrong side: the integral may move inwards, and must not move outwards": (
-        partial(_variant, rule="outwards")
+        partial(_variant, rule=_wrong_side)
     ),
     "the output must stay within -limit and limit": (
-        partial(_variant, rule="always", limited=False)
+        lambda kp, ki, kd, dt, limit: digital_pid(kp, ki, kd, dt, np.inf)
     ),
     "the integral starts from zero at each sample: keep it (nonlocal, or a class)": (
-        partial(_variant, forgets=True)
+        partial(_variant, kept=0.0)
     ),
 }
 
@@ -133,7 +127,7 @@ def same_outputs(answer: Step, reference: Step, *gains: object) -> bool | str:
     given = _outputs(answer, run)
     if isinstance(given, str):
         return given
-    kept, cut = (_outputs(right(*gains), run) for right in (digital_pid, _cutting))
+    kept, cut = (_outputs(_variant(*gains, rule=rule), run) for rule in (_frozen, _cut))
     if _near(given, kept) or _near(given, cut):
         return True
     for diagnosis, wrong in MISTAKES.items():
@@ -190,6 +184,7 @@ DIGITAL = Exercise(
     number="3.8",
     title="a digital PID that knows its limits",
     reference=digital_pid,
+    oracle="least_overshoot_of_two_integrals",
     cases=_cases,
     compare=same_outputs,
     tested_on="6 sets of gains, 120 samples with jumps, ramps and saturation",

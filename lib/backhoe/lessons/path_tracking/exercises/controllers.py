@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.angles import wrap
 from backhoe.lessons.exercise import Exercise
 from backhoe.lessons.path_tracking.printed import taylor_613
-from backhoe.vehicle.tracking import wrap
 
 
 def scaglia(pose: ArrayLike, goal: ArrayLike, dt: float, kv2: float, kw2: float) -> NDArray:

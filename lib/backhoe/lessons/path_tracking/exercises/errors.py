@@ -9,8 +9,9 @@ from math import atan, atan2, cos, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.angles import wrap
 from backhoe.lessons.exercise import Exercise
-from backhoe.vehicle.tracking import Limits, PoseErrors, pose_errors, wrap
+from backhoe.vehicle.tracking import Limits, PoseErrors, pose_errors
 
 
 def _pose_cases(rng: np.random.Generator) -> list[tuple]:

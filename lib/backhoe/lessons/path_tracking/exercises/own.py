@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.angles import wrap
 from backhoe.lessons.exercise import Exercise
 from backhoe.vehicle import tracking
 
@@ -16,7 +17,7 @@ NEAR_ENOUGH = 0.15
 Tracker = Callable[[NDArray, NDArray, tracking.Goal, float], ArrayLike]
 
 
-def own_tracker(wrap: Callable[[float], float] = tracking.wrap) -> Tracker:
+def own_tracker(wrap: Callable[[float], float] = wrap) -> Tracker:
     """Speed in proportion to how far ahead the goal is, turn to its bearing, cut when far aside."""
 
     def tracker(

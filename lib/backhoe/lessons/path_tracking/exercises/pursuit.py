@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.angles import wrap
 from backhoe.lessons.exercise import Exercise
-from backhoe.vehicle.tracking import Goal, PurePursuit, wrap
+from backhoe.vehicle.tracking import Goal, PurePursuit
 from backhoe.vehicle.tracking.progress import Progress
 
 

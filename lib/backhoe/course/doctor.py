@@ -6,6 +6,7 @@ crash or hang runs in a process of its own.
 
 from __future__ import annotations
 
+import operator
 import os
 import platform
 import re
@@ -14,14 +15,17 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
+from typing import NamedTuple
 
 from backhoe.course import workspace
 
 OLDEST, NEWEST = (3, 11), (3, 13)
+_BULLETS = ("pybullet", "pybullet_arm64")
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome", "msedge")
+
+_COMPARISONS = {"==": operator.eq, "!=": operator.ne, "<": operator.lt, ">=": operator.ge}
 
 _RENDER = """
 import pybullet, numpy
@@ -52,8 +56,7 @@ assert reply["content"]["status"] == "ok", reply["content"].get("evalue")
 """
 
 
-@dataclass(frozen=True)
-class Finding:
+class Finding(NamedTuple):
     """One thing looked at: `well` is True, False, or None where it is only for information.
 
     `fix` is what to type or to do when something is wrong.
@@ -65,8 +68,7 @@ class Finding:
     fix: str = ""
 
 
-@dataclass(frozen=True)
-class Pin:
+class Pin(NamedTuple):
     """One package of requirements.txt and the version that the lessons were made with."""
 
     name: str
@@ -102,14 +104,14 @@ def examine() -> list[Finding]:
         wanted = pins((workspace.root() / "requirements.txt").read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         return [_interpreter(), Finding("course", False, str(error), "clone the whole course")]
-    findings = [_interpreter(), *(_package(pin) for pin in wanted if not _is_bullet(pin.name))]
-    findings += _bullet([pin for pin in wanted if _is_bullet(pin.name)])
-    findings += [
+    return [
+        _interpreter(),
+        *(_package(pin) for pin in wanted if not _is_bullet(pin)),
+        *_bullet([pin for pin in wanted if _is_bullet(pin)]),
         _trial("numba compiles", "numba", _COMPILE),
         _trial("Jupyter kernel", "ipykernel", _KERNEL),
         _browser(),
     ]
-    return findings
 
 
 def report(findings: Iterable[Finding]) -> int:
@@ -163,12 +165,12 @@ def _agree(version: str, wanted: str) -> bool:
     return version == wanted
 
 
-def _is_bullet(name: str) -> bool:
-    return name.replace("-", "_") in ("pybullet", "pybullet_arm64")
+def _is_bullet(pin: Pin) -> bool:
+    return pin.name.replace("-", "_") in _BULLETS
 
 
 def _bullet(wanted: list[Pin]) -> list[Finding]:
-    names = [name for name in ("pybullet", "pybullet_arm64") if _installed(name)]
+    names = [name for name in _BULLETS if _installed(name)]
     if len(names) == 2:
         detail = "pybullet and pybullet_arm64 are both installed and overwrite each other"
         requirements = str(workspace.root() / "requirements.txt")
@@ -204,16 +206,13 @@ def _trial(name: str, package: str, code: str) -> Finding:
 
 
 def _browser() -> Finding:
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if found:
-        return Finding("browser for the tests", None, found)
-    return Finding("browser for the tests", None, "no Chromium; only the browser tests need one")
+    missing = "no Chromium; only the browser tests need one"
+    found = next(filter(None, map(shutil.which, BROWSERS)), missing)
+    return Finding("browser for the tests", None, found)
 
 
 def _holds(marker: str) -> bool:
-    return any(
-        all(_compare(clause) for clause in either.split(" and ")) for either in marker.split(" or ")
-    )
+    return any(all(map(_compare, either.split(" and "))) for either in marker.split(" or "))
 
 
 def _compare(clause: str) -> bool:
@@ -225,9 +224,7 @@ def _compare(clause: str) -> bool:
     }
     if match is None or match[1] not in here:
         raise ValueError(f"marker not understood: {clause.strip()!r}")
-    ours, operator, theirs = here[match[1]], match[2], match[3]
+    ours, theirs = here[match[1]], match[3]
     if match[1] == "python_version":
         ours, theirs = ([int(n) for n in version.split(".")] for version in (ours, theirs))
-    return {"==": ours == theirs, "!=": ours != theirs, "<": ours < theirs, ">=": ours >= theirs}[
-        operator
-    ]
+    return _COMPARISONS[match[2]](ours, theirs)

@@ -1,6 +1,6 @@
 """Check an exercise: one line that says not done yet, right, or what the likely mistake is.
 
-    from backhoe.check import check
+    from backhoe.course import check
 
     check("1.2", my_function)   # or a value: check("0.1", 42.0)
     check.hint("1.2")           # a hint, the next one at each call
@@ -35,9 +35,8 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Mapping
+from collections import Counter
 from functools import partial
-from typing import Protocol
 
 from backhoe.course.checking import guard
 from backhoe.course.checking.answers import ask, prepare
@@ -48,23 +47,16 @@ from backhoe.lessons.exercise import Exercise, source_of
 __all__ = ["Check"]
 
 
-class Catalogue(Protocol):
-    """Where exercises are found."""
-
-    def find(self, number: str) -> Exercise:
-        """The exercise of that number, such as "1.2"; ValueError if there is none."""
-
-    def lesson(self, number: str) -> Mapping[str, Exercise]:
-        """All exercises of a lesson by their numbers."""
-
-
 class Check:
-    """Checks exercises and remembers, for as long as the kernel lives, how they went."""
+    """Checks exercises and remembers, for as long as the kernel lives, how they went.
 
-    def __init__(self, catalogue: Catalogue) -> None:
+    Args:
+        catalogue: where they are: find(number) and lesson(number) as in `backhoe.course.catalogue`.
+    """
+
+    def __init__(self, catalogue: object) -> None:
         self._catalogue = catalogue
-        self._wrong: dict[str, int] = {}
-        self._hints: dict[str, int] = {}
+        self._wrong, self._hints = Counter(), Counter()
         self._state: dict[str, str] = {}
 
     def __call__(self, number: str, answer: object = None) -> None:
@@ -83,7 +75,7 @@ class Check:
         if right or verdict == "not done yet":
             self._state[exercise.number] = "right" if right else verdict
             return
-        self._wrong[exercise.number] = self._wrong.get(exercise.number, 0) + 1
+        self._wrong[exercise.number] += 1
         self._state[exercise.number] = "not yet"
         if self._wrong[exercise.number] > 1:
             self.hint(exercise.number)
@@ -98,7 +90,7 @@ class Check:
         if not exercise.hints:
             print(f"exercise {exercise.number}: no hints")
             return
-        place = min(self._hints.get(exercise.number, 0) + 1, len(exercise.hints))
+        place = min(self._hints[exercise.number] + 1, len(exercise.hints))
         self._hints[exercise.number] = place
         hint = exercise.hints[place - 1]
         print(f"exercise {exercise.number}: hint {place} of {len(exercise.hints)}: {hint}")
@@ -117,6 +109,8 @@ class Check:
         elif callable(exercise.reference):
             function = source_of(exercise.reference)
             place = f"{function.__module__}.{function.__qualname__}"
+            for name, value in getattr(exercise.reference, "keywords", {}).items():
+                place += f", {name}={value!r}"
             print(f"exercise {exercise.number}: one solution, {place}:\n")
             print(inspect.getsource(function).rstrip())
         else:

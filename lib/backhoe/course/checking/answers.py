@@ -9,6 +9,7 @@ import inspect
 import linecache
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from backhoe.course.checking.outcomes import (
     agree,
     describe,
     is_blank,
+    outcome_of,
     plain,
     short,
 )
@@ -43,6 +45,11 @@ class Trial:
     verdicts: list = field(default_factory=list)
     changed: str = ""
     misuse: str = ""
+
+    @cached_property
+    def right(self) -> list[object]:
+        """What an answer should have given, in the form of the outcomes."""
+        return list(map(outcome_of, self.references, self.references))
 
     @property
     def wrong(self) -> list[int]:
@@ -165,11 +172,9 @@ def _line_of(error: BaseException, answer: object) -> str:
 
 
 def _judge(exercise: Exercise, outcome: object, reference: object, case: tuple) -> bool | str:
-    if isinstance(reference, Exception):
-        return agree(outcome, _raised(reference, None), exercise)
-    judged = exercise.compare and isinstance(outcome, Numbers | Other | str)
-    if not judged:
-        return agree(outcome, plain(reference, reference), exercise)
+    comparable = isinstance(outcome, Numbers | Other | str)
+    if not (exercise.compare and comparable) or isinstance(reference, Exception):
+        return agree(outcome, outcome_of(reference, reference), exercise)
     value = outcome if isinstance(outcome, str) else outcome.value
     try:
         verdict = exercise.compare(value, reference, *_copy(case))

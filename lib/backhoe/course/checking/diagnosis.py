@@ -8,12 +8,22 @@ mistakes come before errors of form because a mistake may well be one of form.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.course.checking.answers import Trial, gives
-from backhoe.course.checking.outcomes import Blank, Numbers, Odd, Raised, agree, plain, show
+from backhoe.course.checking.outcomes import (
+    Blank,
+    Numbers,
+    Odd,
+    Raised,
+    agree,
+    outcome_of,
+    plain,
+    show,
+)
 from backhoe.course.checking.patterns import in_pieces, overall
 
 
@@ -44,21 +54,13 @@ def diagnose(trial: Trial) -> str | None:
 
 
 def _known_mistake(trial: Trial) -> str | None:
-    def outcomes(values: Sequence[object]) -> list[object]:
-        pairs = zip(values, trial.references, strict=True)
-        return [
-            Raised(type(value).__name__, "")
-            if isinstance(value, Exception)
-            else plain(value, reference)
-            for value, reference in pairs
-        ]
-
     if all(isinstance(outcome, Raised) for outcome in trial.outcomes):
         return None
-    right = outcomes(trial.references)
     for diagnosis, answer in trial.exercise.mistakes.items():
-        wrong = outcomes(gives(trial.exercise, answer, trial.cases))
-        if _same(trial, _as_nan(trial.outcomes, wrong), wrong) and not _same(trial, wrong, right):
+        given = gives(trial.exercise, answer, trial.cases)
+        wrong = list(map(outcome_of, given, trial.references))
+        alike = _same(trial, _as_nan(trial.outcomes, wrong), wrong)
+        if alike and not _same(trial, wrong, trial.right):
             return diagnosis
     return None
 
@@ -178,29 +180,21 @@ def _other_inputs(trial: Trial) -> str | None:
     def constant(outcomes: Sequence[object]) -> bool:
         return all(agree(one, outcomes[0], trial.exercise) for one in outcomes)
 
-    references = [plain(reference, reference) for reference in trial.references]
     for text, change in usual.items():
-        cases = [change(case) for case in trial.cases]
-        results = gives(trial.exercise, trial.exercise.reference, cases)
-        if any(isinstance(result, Exception) for result in results):
-            continue
-        right = [plain(result, result) for result in results]
-        if (constant(references) or not constant(right)) and _same(trial, trial.outcomes, right):
+        cases = list(map(change, trial.cases))
+        given = gives(trial.exercise, trial.exercise.reference, cases)
+        right = list(map(outcome_of, given, given))
+        if (constant(trial.right) or not constant(right)) and _same(trial, trial.outcomes, right):
             return text
     return None
 
 
 def _transformed(trial: Trial) -> str | None:
-    exercise = trial.exercise
-    right = [plain(reference, reference) for reference in trial.references]
-    count = len(right[0].parts)
-
-    def near(one: NDArray, other: NDArray) -> NDArray:
-        return np.isclose(one, other, rtol=exercise.rtol, atol=exercise.atol)
-
+    count = len(trial.right[0].parts)
+    near = partial(np.isclose, rtol=trial.exercise.rtol, atol=trial.exercise.atol)
     for part in range(count):
         given = [outcome.parts[part] for outcome in trial.outcomes]
-        wanted = [outcome.parts[part] for outcome in right]
+        wanted = [outcome.parts[part] for outcome in trial.right]
         if wanted[0].dtype.kind == "b":
             continue
         alike = len({array.shape for array in wanted}) == 1
@@ -225,7 +219,7 @@ def _differs(trial: Trial) -> str:
         return f"it gives {what}{_told(trial, 0)}"
     error = max(
         float(np.max(np.abs(part - other), initial=0.0))
-        for outcome, reference in zip(trial.outcomes, trial.references, strict=True)
-        for part, other in zip(outcome.parts, plain(reference, reference).parts, strict=True)
+        for outcome, right in zip(trial.outcomes, trial.right, strict=True)
+        for part, other in zip(outcome.parts, right.parts, strict=True)
     )
     return f"it gives {what}{_told(trial, 0)}; the largest error is {error:.3g}"

@@ -69,10 +69,17 @@ def plain(value: object, reference: object) -> object:
         strange = [part for part in parts if not isinstance(part, Numbers)]
         return strange[0] if strange else Numbers(tuple(part.parts[0] for part in parts))
     if isinstance(reference, Exception):
-        return Odd(f"{describe(value)}")
+        return Odd(describe(value))
     if not _is_numeric(reference):
         return Other(value)
     return _numbers(value, np.asarray(reference))
+
+
+def outcome_of(value: object, reference: object) -> object:
+    """What the reference or a known mistake gave or raised, to compare answers with."""
+    if isinstance(value, Exception):
+        return Raised(type(value).__name__, "")
+    return plain(value, reference)
 
 
 def agree(one: object, other: object, exercise: Exercise) -> bool:

@@ -11,32 +11,17 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
+_NUMBERS = {f"{number:g}": number for number in (2, 3, 4, 1000, 100, 60, 3.6, 9.81)} | {"pi": pi}
 _FACTORS = {
-    "2": 2.0,
-    "3": 3.0,
-    "4": 4.0,
-    "pi": pi,
+    **_NUMBERS,
+    **{f"1/{name}": 1 / number for name, number in _NUMBERS.items()},
     "2 pi": 2 * pi,
-    "180/pi (degrees where radians are expected?)": 180 / pi,
-    "1000": 1000.0,
-    "100": 100.0,
-    "60": 60.0,
-    "3.6": 3.6,
-    "9.81": 9.81,
-    "the root of 2": 2**0.5,
-    "1e6": 1e6,
-    "1/2": 1 / 2,
-    "1/3": 1 / 3,
-    "1/4": 1 / 4,
-    "1/pi": 1 / pi,
     "1/(2 pi)": 1 / (2 * pi),
+    "180/pi (degrees where radians are expected?)": 180 / pi,
     "pi/180 (radians where degrees are expected?)": pi / 180,
-    "1/1000": 1e-3,
-    "1/100": 1e-2,
-    "1/60": 1 / 60,
-    "1/3.6": 1 / 3.6,
-    "1/9.81": 1 / 9.81,
+    "the root of 2": 2**0.5,
     "1/root of 2": 0.5**0.5,
+    "1e6": 1e6,
     "1e-6": 1e-6,
 }
 _OFFSETS = {"pi/2": pi / 2, "pi": pi, "2 pi": 2 * pi, "90": 90.0, "180": 180.0, "360": 360.0}

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from backhoe.vehicle import skid_steer
-from backhoe.vehicle.skid_steer import HUSKY, Plant, simulate
+from backhoe.vehicle.skid_steer import HUSKY, SkidSteerPlant, simulate
 
 RUNS, LEGS, SAMPLES, DT = 500, 5, 1000, 0.02
 PEER_RUNS = 3
@@ -150,9 +150,9 @@ def measure_plants() -> list[bool]:
     """A step of the plant that lesson 05 steers."""
     lines = []
     for model, limit in (("kinematic", 20), ("linear", 20), ("slipping", 100)):
-        plant = Plant(model=model)
+        plant = SkidSteerPlant(model=model)
 
-        def drive(plant: Plant = plant) -> None:
+        def drive(plant: SkidSteerPlant = plant) -> None:
             for k in range(1000):
                 plant.step(0.5, 0.5 if k % 50 else -0.5)
 

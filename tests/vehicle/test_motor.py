@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from backhoe.lessons import published
 from backhoe.vehicle import motor, skid_steer
 from backhoe.vehicle.motor import ROVER, WHEELCHAIR, Load, Motor, replace
-from backhoe.vehicle.skid_steer import HUSKY
+from backhoe.vehicle.skid_steer import HUSKY, engine
 
 PRINTED = published.load("dangelo_2022_motor")
 HANGING = motor.hanging_wheel(HUSKY)
@@ -268,17 +268,12 @@ def test_on_the_slipping_vehicle_the_demands_hold_but_for_2_thousandths(gains):
     """Friction lets go of the wheel when the vehicle has caught up, and lifts its speed."""
     run = slipping_step(gains)
     speed = run.wheels[:, 0]
-    state, free = np.zeros(10), [0.0]
-    volts = 1 / motor.first_order(WHEELCHAIR, LOADED).gain
+    state, free, step = np.zeros((1, 10)), [0.0], np.full(1, H)
+    torque = WHEELCHAIR.torque_per_volt / motor.first_order(WHEELCHAIR, LOADED).gain
+    fleet = engine.fleet([HUSKY], WHEELCHAIR.damping, WHEELCHAIR.rotor_inertia)
     for _ in range(300):
-        state = skid_steer.advance(
-            state,
-            np.full(4, WHEELCHAIR.torque_per_volt * volts),
-            H,
-            damping=WHEELCHAIR.damping,
-            rotor_inertia=WHEELCHAIR.rotor_inertia,
-        )
-        free.append(state[6])
+        engine.advance(state, np.full((1, 4), torque), fleet, H, step, 1e-5)
+        free.append(state[0, 6])
     uncontrolled = motor.settling_time(H * np.arange(301), free, 1.0)
     assert motor.settling_time(run.time, speed, 1.0) <= 0.30 * uncontrolled
     assert 0 < motor.overshoot(speed, 1.0) < 0.003

@@ -126,16 +126,23 @@ POSE = np.stack([ROW, ROW, ROW], axis=-1)
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        (lambda: identify(ROW[::-1], ROW, ROW, POSE), "time must increase, got 1.0 then 0.75 s"),
-        (lambda: identify(ROW, ROW[:4], ROW, POSE), r"one length, got \[5, 4, 5\]"),
-        (lambda: identify(ROW, ROW * np.nan, ROW, POSE), "left must be a row of at least 3"),
-        (lambda: identify(ROW, ROW, ROW, POSE[:, :2]), r"pose must be \(5, 3\) finite numbers"),
+        (lambda: identify(ROW[::-1], ROW, ROW, POSE), "time must rise: 1.0 s at index 0"),
+        (lambda: identify(ROW[:2], ROW[:2], ROW[:2], POSE[:2]), "a row of 3 or more times"),
+        (
+            lambda: identify(ROW, ROW[:4], ROW, POSE),
+            r"left must have shape \(5,\), got shape \(4,\)",
+        ),
+        (lambda: identify(ROW, ROW * np.nan, ROW, POSE), "left must be finite"),
+        (
+            lambda: identify(ROW, ROW, ROW, POSE[:, :2]),
+            r"pose must be rows X, Y, theta, shape \(5, 3\)",
+        ),
         (lambda: identify(ROW, ROW, ROW, POSE * [1, 1, 5 * np.pi]), "unwrap it first"),
         (lambda: identify(ROW, ROW, ROW, POSE * [1, 1, 0]), "must turn by at least 0.1 rad"),
         (lambda: identify(ROW, ROW, ROW, POSE), "does not tell the parameters apart"),
         (
             lambda: skid_steer.effective_half_track(ROW, -ROW, ROW, 0.0),
-            "turn must be a number of at least 0.1 rad",
+            "turn must be at least 0.1 rad",
         ),
         (lambda: skid_steer.effective_half_track(ROW, "x", ROW, 1.0), "left must be numbers"),
     ],

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from backhoe.lessons import published
 from backhoe.vehicle import skid_steer, tracking
-from backhoe.vehicle.skid_steer.plant import Plant
+from backhoe.vehicle.skid_steer import SkidSteerPlant
 from backhoe.vehicle.tracking import (
     Goal,
     IdealPlant,
@@ -38,7 +38,7 @@ PATHS = {
 
 
 def slipping():
-    return Plant(skid_steer.HUSKY, 0.02, "slipping", half_track=HALF_TRACK)
+    return SkidSteerPlant(skid_steer.HUSKY, 0.02, "slipping", half_track=HALF_TRACK)
 
 
 def goal_at(*position, following=None, speed=0.5, waypoint=None, path=((0, 0), (1, 0))):
@@ -652,7 +652,7 @@ def test_a_minute_at_50_hz_takes_well_under_half_a_second():
     for name in tracking.TRACKERS:
         best = np.inf
         for _ in range(3):
-            plant = Plant(skid_steer.HUSKY, 0.02, "kinematic")
+            plant = SkidSteerPlant(skid_steer.HUSKY, 0.02, "kinematic")
             start = process_time()
             run = follow(tracking.TRACKERS[name](), plant, path, mode="trajectory", period=0.02)
             best = min(best, process_time() - start)

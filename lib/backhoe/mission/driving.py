@@ -137,7 +137,7 @@ def drive(
         seed: of the noise of encoders, gyro and fixes; their variances are `drives.NOISE`.
         mode: "path" or "trajectory" as in `tracking.follow`; default trajectory if the path has
             times.
-        plant: what is driven, such as a rover or `skid_steer.Plant`; default the machine on its
+        plant: what is driven, a rover or `skid_steer.SkidSteerPlant`; default the machine on its
             tracks. It is driven from where it stands and left open.
         machine, backend: of the machine on its tracks, as in `simulation.open_world`.
         pose: where that machine starts, x, y, heading, shape (3,) [m, m, rad]; default the origin.

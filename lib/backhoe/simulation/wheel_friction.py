@@ -17,12 +17,12 @@ class WheelFriction:
     """The slipping model over one step of this length [s]; loads and drives change step by step."""
 
     def __init__(self, vehicle: Vehicle, step: float) -> None:
-        from backhoe.vehicle.skid_steer import kernels
+        from backhoe.vehicle.skid_steer import engine
 
-        self._kernels, self._step = kernels, step
-        self._record = kernels.record([vehicle])
+        self._advance, self._step = engine.advance, step
+        self._fleet = engine.fleet([vehicle])
         self._wheel_inertia = vehicle.wheel_inertia
-        self._length, self._room = np.full(1, step), kernels.room()
+        self._length = np.full(1, step)
 
     def advance(
         self,
@@ -33,9 +33,7 @@ class WheelFriction:
         loads: NDArray,
     ) -> None:
         """Bring state (10,) forward by one step in place; drive and loads of shape (4,)."""
-        record = self._record
-        record["damping"][0], record["load"][0] = damping, loads
-        record["spin"][0] = self._wheel_inertia + rotor_inertia
-        self._kernels.advance(
-            state, drive, record[0], self._step, self._length, _TOLERANCE, self._room
-        )
+        fleet = self._fleet
+        fleet.damping[0], fleet.load[0] = damping, loads
+        fleet.spin[0] = self._wheel_inertia + rotor_inertia
+        self._advance(state[None], drive[None], fleet, self._step, self._length, _TOLERANCE)

@@ -26,7 +26,7 @@ def _compared(paths, controllers=("P", "PI")):
     return tracking.compare(
         trackers,
         paths,
-        lambda: skid_steer.Plant(dt=0.05, model="linear"),
+        lambda: skid_steer.SkidSteerPlant(dt=0.05, model="linear"),
         limits=tracking.Limits.of(skid_steer.HUSKY, 1.0),
         period=0.1,
     )
@@ -80,7 +80,7 @@ def test_the_gains_of_fig_63_steer_otherwise_with_every_sample_time(make):
     limits = tracking.Limits(6.0, skid_steer.HUSKY.wheel_radius, half_track)
     steering = []
     for period in (0.05, 0.2, 0.4):
-        plant = skid_steer.Plant(dt=0.05, model="slipping", half_track=half_track)
+        plant = skid_steer.SkidSteerPlant(dt=0.05, model="slipping", half_track=half_track)
         run = tracking.follow(make(), plant, eight, mode="trajectory", period=period, limits=limits)
         steering.append(tracking.assess(run).change_omega)
     assert steering[0] > 3 * steering[1] > 5 * steering[2]

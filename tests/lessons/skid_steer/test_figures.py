@@ -46,10 +46,12 @@ def test_slip_along_the_rims_appears_when_their_speeds_are_given():
     assert len(arrows(ax, rgba(style.BLUE))) == 0
 
 
-def test_the_centre_of_rotation_is_where_the_library_has_it():
+def test_the_centre_of_rotation_is_the_point_that_stands_still():
     ax = figures.contacts(TURN, HUSKY).axes[0]
     (centre,) = [line for line in ax.lines if line.get_marker() == "P"]
-    np.testing.assert_allclose(centre.get_xydata()[0], skid_steer.icr(TURN["left turn"]))
+    x, y = centre.get_xydata()[0]
+    v_x, v_y, omega = TURN["left turn"]
+    np.testing.assert_allclose([v_x - omega * y, v_y + omega * x], 0.0, atol=1e-12)
 
 
 def test_a_vehicle_that_drives_straight_has_no_centre_and_no_slip():

@@ -5,8 +5,9 @@
 - `identification`: the effective half track and the centre of rotation from logs
 - `friction`: Coulomb, smooth and linear laws
 - `linear_model`: the linear dynamic model, repaired
-- `slipping`: the plane model with friction at each wheel
-- `simulation`: many runs at once, with every model
+- `slipping`: the plane model with friction at each wheel; `engine`: the same compiled
+- `wheel_drives`: proportional control or motors, `no_slip`: the models without slip
+- `runs`: many runs at once, with every model
 - `plant`: one vehicle, step by step, for trackers
 
 Source: D'Angelo 2022, chapter 2.
@@ -28,9 +29,7 @@ from backhoe.vehicle.skid_steer.friction import (
 from backhoe.vehicle.skid_steer.identification import Identification, effective_half_track, identify
 from backhoe.vehicle.skid_steer.kinematics import (
     body_twist,
-    constraint,
     contact_velocity,
-    icr,
     pose_rate,
     wheel_speeds,
     world_velocity,
@@ -38,25 +37,20 @@ from backhoe.vehicle.skid_steer.kinematics import (
 from backhoe.vehicle.skid_steer.linear_model import (
     Rates,
     StateSpace,
-    control_system,
     fit,
     radius,
     rates,
-    ratios,
     state_space,
     steady_state,
     step_response,
 )
-from backhoe.vehicle.skid_steer.plant import Plant
-from backhoe.vehicle.skid_steer.simulation import Simulation, simulate
+from backhoe.vehicle.skid_steer.plant import SkidSteerPlant
+from backhoe.vehicle.skid_steer.runs import Runs, simulate
 from backhoe.vehicle.skid_steer.slipping import (
-    advance,
     contact_forces,
-    energy,
     friction_power,
     state_rate,
     turning_half_track,
-    turning_moment,
 )
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, PROVENANCE, WHEELS, Vehicle
 
@@ -65,23 +59,18 @@ __all__ = [
     "PROVENANCE",
     "WHEELS",
     "Identification",
-    "Plant",
     "Rates",
-    "Simulation",
+    "Runs",
+    "SkidSteerPlant",
     "StateSpace",
     "Vehicle",
-    "advance",
     "body_twist",
-    "constraint",
     "contact_forces",
     "contact_velocity",
-    "control_system",
     "coulomb",
     "effective_half_track",
-    "energy",
     "fit",
     "friction_power",
-    "icr",
     "identify",
     "linear",
     "linear_range",
@@ -89,7 +78,6 @@ __all__ = [
     "pose_rate",
     "radius",
     "rates",
-    "ratios",
     "replace",
     "simulate",
     "slope",
@@ -100,7 +88,6 @@ __all__ = [
     "steady_state",
     "step_response",
     "turning_half_track",
-    "turning_moment",
     "wheel_speeds",
     "world_velocity",
 ]

@@ -15,7 +15,7 @@ from math import atan, pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import not_negative, numbers, positive
 
 
 def coulomb(v: ArrayLike, normal: ArrayLike, mu: float, viscous: float = 0.0) -> NDArray:
@@ -35,7 +35,8 @@ def coulomb(v: ArrayLike, normal: ArrayLike, mu: float, viscous: float = 0.0) ->
     Raises:
         ValueError: a value is not a finite number, or normal or a coefficient is negative.
     """
-    v, normal = _arguments(v, normal, mu=mu, viscous=viscous)
+    v, normal = numbers(v, "v"), _pressing(normal)
+    mu, viscous = not_negative(mu, "mu"), not_negative(viscous, "viscous", "N s/m")
     return mu * normal * np.sign(v) + viscous * v
 
 
@@ -49,13 +50,12 @@ def smooth_sign(v: ArrayLike, k_s: float) -> NDArray:
         k_s: steepness [s/m].
 
     Returns:
-        Shape (...), between -1 and 1.
+        Shape (...), between -1 and 1 [1].
 
     Raises:
         ValueError: a value is not a finite number, or k_s is not positive.
     """
-    v, _ = _arguments(v, 0.0)
-    return 2 / pi * np.arctan(_positive(k_s, "k_s") * v)
+    return 2 / pi * np.arctan(positive(k_s, "k_s", "s/m") * numbers(v, "v"))
 
 
 def smooth(v: ArrayLike, normal: ArrayLike, mu: float, k_s: float) -> NDArray:
@@ -73,8 +73,7 @@ def smooth(v: ArrayLike, normal: ArrayLike, mu: float, k_s: float) -> NDArray:
     Raises:
         ValueError: as for `coulomb`, or k_s is not positive.
     """
-    v, normal = _arguments(v, normal, mu=mu)
-    return mu * normal * smooth_sign(v, k_s)
+    return not_negative(mu, "mu") * _pressing(normal) * smooth_sign(v, k_s)
 
 
 def slope(mu: float, k_s: float) -> float:
@@ -85,8 +84,7 @@ def slope(mu: float, k_s: float) -> float:
     Raises:
         ValueError: mu is negative, k_s is not positive, or one is not a finite number.
     """
-    _arguments(0.0, 0.0, mu=mu)
-    return 2 / pi * mu * _positive(k_s, "k_s")
+    return 2 / pi * not_negative(mu, "mu") * positive(k_s, "k_s", "s/m")
 
 
 def linear(v: ArrayLike, normal: ArrayLike, mu: float, k_s: float) -> NDArray:
@@ -103,8 +101,7 @@ def linear(v: ArrayLike, normal: ArrayLike, mu: float, k_s: float) -> NDArray:
     Raises:
         ValueError: as for `smooth`.
     """
-    v, normal = _arguments(v, normal, mu=mu)
-    return normal * slope(mu, k_s) * v
+    return _pressing(normal) * slope(mu, k_s) * numbers(v, "v")
 
 
 def overestimate(v: ArrayLike, k_s: float) -> NDArray:
@@ -115,13 +112,12 @@ def overestimate(v: ArrayLike, k_s: float) -> NDArray:
         k_s: steepness [s/m].
 
     Returns:
-        Shape (...), 1 at v = 0 and more beside it.
+        Shape (...), 1 at v = 0 and more beside it [1].
 
     Raises:
         ValueError: a value is not a finite number, or k_s is not positive.
     """
-    v, _ = _arguments(v, 0.0)
-    x = _positive(k_s, "k_s") * v
+    x = positive(k_s, "k_s", "s/m") * numbers(v, "v")
     return np.divide(x, np.arctan(x), out=np.ones_like(x), where=x != 0)
 
 
@@ -138,7 +134,7 @@ def linear_range(k_s: float, error: float = 0.1) -> float:
     Raises:
         ValueError: k_s or error is not a positive number.
     """
-    k_s, error = _positive(k_s, "k_s"), _positive(error, "error")
+    k_s, error = positive(k_s, "k_s", "s/m"), positive(error, "error")
     low, high = 0.0, pi / 2 * (1 + error)
     for _ in range(60):
         x = (low + high) / 2
@@ -146,19 +142,8 @@ def linear_range(k_s: float, error: float = 0.1) -> float:
     return low / k_s
 
 
-def _arguments(v: ArrayLike, normal: ArrayLike, **coefficients: float) -> tuple[NDArray, NDArray]:
-    v, normal = (real_array(x, f"{n} must be numbers") for x, n in ((v, "v"), (normal, "normal")))
-    if not (np.isfinite(v).all() and np.isfinite(normal).all()):
-        raise ValueError("slip velocity and normal force must be finite")
+def _pressing(normal: ArrayLike) -> NDArray:
+    normal = numbers(normal, "normal")
     if (normal < 0).any():
         raise ValueError(f"normal must not be negative: the ground does not pull, got {normal}")
-    for name, value in coefficients.items():
-        if not (np.ndim(value) == 0 and np.isfinite(value) and value >= 0):
-            raise ValueError(f"{name} must be a number, 0 or more, got {value!r}")
-    return v, normal
-
-
-def _positive(value: float, name: str) -> float:
-    if not (np.ndim(value) == 0 and np.isfinite(value) and value > 0):
-        raise ValueError(f"{name} must be a positive number, got {value!r}")
-    return float(value)
+    return normal

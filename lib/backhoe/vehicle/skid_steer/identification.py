@@ -16,7 +16,7 @@ from math import nan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import number, numbers, times
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
 MIN_TURN = 0.1
@@ -79,8 +79,8 @@ def effective_half_track(
             finite, or a turn below `MIN_TURN`.
     """
     time, left, right = _logs(time, left, right)
-    if not (np.ndim(turn) == 0 and np.isfinite(turn) and abs(turn) >= MIN_TURN):
-        raise ValueError(f"turn must be a number of at least {MIN_TURN} rad, got {turn!r}")
+    if abs(number(turn, "turn", "rad")) < MIN_TURN:
+        raise ValueError(f"turn must be at least {MIN_TURN} rad either way, got {turn}")
     return float(vehicle.wheel_radius * _integral(time, right - left)[-1] / (2 * turn))
 
 
@@ -162,27 +162,13 @@ def _integral(time: NDArray, rate: NDArray) -> NDArray:
     return np.r_[0.0, np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(time))]
 
 
-def _logs(time: ArrayLike, left: ArrayLike, right: ArrayLike) -> list[NDArray]:
-    rows = []
-    for name, values in (("time", time), ("left", left), ("right", right)):
-        row = real_array(values, f"{name} must be numbers")
-        if row.ndim != 1 or len(row) < 3 or not np.isfinite(row).all():
-            raise ValueError(f"{name} must be a row of at least 3 finite numbers, got {row.shape}")
-        rows.append(row)
-    lengths = [len(row) for row in rows]
-    if len(set(lengths)) > 1:
-        raise ValueError(f"time, left and right must be of one length, got {lengths}")
-    steps = np.diff(rows[0])
-    if (steps <= 0).any():
-        k = int(np.argmax(steps <= 0))
-        raise ValueError(f"time must increase, got {rows[0][k]} then {rows[0][k + 1]} s")
-    return rows
+def _logs(time: ArrayLike, left: ArrayLike, right: ArrayLike) -> tuple[NDArray, NDArray, NDArray]:
+    time = times(time, "time", least=3)
+    return time, numbers(left, "left", time.shape), numbers(right, "right", time.shape)
 
 
 def _poses(pose: ArrayLike, n: int) -> NDArray:
-    pose = real_array(pose, "pose must be numbers")
-    if pose.shape != (n, 3) or not np.isfinite(pose).all():
-        raise ValueError(f"pose must be ({n}, 3) finite numbers X, Y, theta, got {pose.shape}")
+    pose = numbers(pose, "pose", (n, 3), meaning="rows X, Y, theta")
     jumps = np.abs(np.diff(pose[:, 2]))
     if jumps.max() > np.pi:
         k = int(jumps.argmax())

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import number, numbers, positive
 from backhoe.basics.se2 import sides_of_twist, twist_of_sides
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
@@ -36,7 +36,7 @@ def wheel_speeds(
     Raises:
         ValueError: twist does not end in 2 finite numbers, or half_track is not positive.
     """
-    twist = _ending_in(twist, 2, "twist", "v_x, omega_z")
+    twist = numbers(twist, "twist", (..., 2), meaning="values (v_x, omega_z)")
     gauge = 2 * half_track_of(vehicle, half_track)
     sides = sides_of_twist(twist[..., 0], twist[..., 1], gauge)
     return np.stack(sides, axis=-1) / vehicle.wheel_radius
@@ -65,7 +65,7 @@ def body_twist(
             is not positive.
     """
     r, gauge = vehicle.wheel_radius, 2 * half_track_of(vehicle, half_track)
-    left, right = r * _finite(left, "left"), r * _finite(right, "right")
+    left, right = r * numbers(left, "left"), r * numbers(right, "right")
     return np.stack(twist_of_sides(left, right, gauge), axis=-1)
 
 
@@ -84,8 +84,7 @@ def world_velocity(theta: ArrayLike, velocity: ArrayLike) -> NDArray:
     Raises:
         ValueError: velocity does not end in 3 finite numbers, or theta is not finite.
     """
-    theta = _finite(theta, "theta")
-    velocity = _ending_in(velocity, 3, "velocity", "v_x, v_y, omega_z")
+    theta, velocity = numbers(theta, "theta"), _velocity(velocity)
     v_x, v_y, omega = velocity[..., 0], velocity[..., 1], velocity[..., 2]
     cos, sin = np.cos(theta), np.sin(theta)
     return np.stack(
@@ -109,54 +108,9 @@ def pose_rate(theta: ArrayLike, twist: ArrayLike, x_icr: float = 0.0) -> NDArray
     Raises:
         ValueError: twist does not end in 2 finite numbers, or theta or x_icr is not finite.
     """
-    twist = _ending_in(twist, 2, "twist", "v_x, omega_z")
-    x_icr = float(_finite(x_icr, "x_icr"))
-    lateral = -x_icr * twist[..., 1]
+    twist = numbers(twist, "twist", (..., 2), meaning="values (v_x, omega_z)")
+    lateral = -number(x_icr, "x_icr", "m") * twist[..., 1]
     return world_velocity(theta, np.stack([twist[..., 0], lateral, twist[..., 1]], axis=-1))
-
-
-def constraint(pose: ArrayLike, rate: ArrayLike, x_icr: float) -> NDArray:
-    """What the constraint v_y + x_icr dtheta = 0 leaves, from pose and its rate in the world.
-
-    Source: D'Angelo 2022, eq. (2.5), with v_y = -sin(theta) dX + cos(theta) dY.
-
-    Args:
-        pose: X, Y, theta, shape (..., 3) [m, m, rad].
-        rate: dX, dY, dtheta, shape (..., 3) [m/s, m/s, rad/s].
-        x_icr: longitudinal coordinate of the centre of rotation [m].
-
-    Returns:
-        The residual, shape (...) [m/s]; 0 for a motion that obeys the constraint.
-
-    Raises:
-        ValueError: pose or rate does not end in 3 finite numbers, or x_icr is not finite.
-    """
-    pose = _ending_in(pose, 3, "pose", "X, Y, theta")
-    rate = _ending_in(rate, 3, "rate", "dX, dY, dtheta")
-    theta, x_icr = pose[..., 2], float(_finite(x_icr, "x_icr"))
-    lateral = -np.sin(theta) * rate[..., 0] + np.cos(theta) * rate[..., 1]
-    return lateral + x_icr * rate[..., 2]
-
-
-def icr(velocity: ArrayLike) -> NDArray:
-    """Centre of rotation of the body in its own frame: where a point of the body stands still.
-
-    x_ICR = -v_y / omega_z, as (2.5) says, and y_ICR = v_x / omega_z.
-
-    Args:
-        velocity: v_x, v_y, omega_z, shape (..., 3) [m/s, m/s, rad/s].
-
-    Returns:
-        x_ICR, y_ICR, shape (..., 2) [m].
-
-    Raises:
-        ValueError: velocity does not end in 3 finite numbers, or the vehicle does not turn.
-    """
-    velocity = _ending_in(velocity, 3, "velocity", "v_x, v_y, omega_z")
-    omega = velocity[..., 2]
-    if (omega == 0).any():
-        raise ValueError("a vehicle with omega_z = 0 has no centre of rotation: it moves straight")
-    return np.stack([-velocity[..., 1] / omega, velocity[..., 0] / omega], axis=-1)
 
 
 def contact_velocity(
@@ -180,36 +134,22 @@ def contact_velocity(
     Raises:
         ValueError: velocity does not end in 3, or wheels in 4 finite numbers.
     """
-    velocity = _ending_in(velocity, 3, "velocity", "v_x, v_y, omega_z")
+    velocity = _velocity(velocity)
     x, y = vehicle.positions.T
     v_x, v_y, omega = (velocity[..., i, None] for i in range(3))
     along, across = v_x - omega * y, v_y + omega * x
     if wheels is None:
         along = np.zeros_like(along)
     else:
-        along = along - vehicle.wheel_radius * _ending_in(wheels, 4, "wheels", "one speed a wheel")
+        wheels = numbers(wheels, "wheels", (..., 4), meaning="speeds of wheels")
+        along = along - vehicle.wheel_radius * wheels
     return np.stack(np.broadcast_arrays(along, across), axis=-1)
 
 
 def half_track_of(vehicle: Vehicle, half_track: float | None) -> float:
-    """The half track given, checked, or the vehicle's own if there is none [m]."""
-    if half_track is None:
-        return vehicle.half_track
-    c = _finite(half_track, "half_track")
-    if c.ndim or c <= 0:
-        raise ValueError(f"half_track must be a positive length in m, got {half_track!r}")
-    return float(c)
+    """The half track given, or the vehicle's own if there is none [m]."""
+    return vehicle.half_track if half_track is None else positive(half_track, "half_track", "m")
 
 
-def _finite(values: ArrayLike, name: str) -> NDArray:
-    array = real_array(values, f"{name} must be numbers")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite, got {values!r}")
-    return array
-
-
-def _ending_in(values: ArrayLike, count: int, name: str, meaning: str) -> NDArray:
-    array = _finite(values, name)
-    if array.ndim == 0 or array.shape[-1] != count:
-        raise ValueError(f"{name} must end in {count} values ({meaning}), got shape {array.shape}")
-    return array
+def _velocity(velocity: ArrayLike) -> NDArray:
+    return numbers(velocity, "velocity", (..., 3), meaning="values (v_x, v_y, omega_z)")

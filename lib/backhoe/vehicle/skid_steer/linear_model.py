@@ -17,18 +17,13 @@ Source: D'Angelo 2022, eqs. (2.12) to (2.17). Printed are one lever for two in (
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import number, numbers
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
-
-if TYPE_CHECKING:
-    import control
-
-STATES = ("x", "v_x", "theta", "omega")
 
 
 class Rates(NamedTuple):
@@ -83,19 +78,6 @@ def state_space(vehicle: Vehicle = HUSKY) -> StateSpace:
     return StateSpace(A, B, np.eye(4), np.zeros((4, 2)))
 
 
-def control_system(vehicle: Vehicle = HUSKY, name: str = "skid_steer") -> control.StateSpace:
-    """The model as a system of python-control, with named states, inputs and outputs."""
-    import control
-
-    return control.ss(
-        *state_space(vehicle),
-        name=name,
-        states=STATES,
-        inputs=("v_ref", "omega_ref"),
-        outputs=STATES,
-    )
-
-
 def steady_state(v_ref: ArrayLike, omega_ref: ArrayLike, vehicle: Vehicle = HUSKY) -> NDArray:
     """Where the speeds settle: proportional control leaves an error.
 
@@ -110,7 +92,7 @@ def steady_state(v_ref: ArrayLike, omega_ref: ArrayLike, vehicle: Vehicle = HUSK
         ValueError: a command is not a finite number.
     """
     k = rates(vehicle)
-    v_ref, omega_ref = _finite(v_ref, "v_ref"), _finite(omega_ref, "omega_ref")
+    v_ref, omega_ref = numbers(v_ref, "v_ref"), numbers(omega_ref, "omega_ref")
     v = v_ref * k.drive_v / (k.drive_v + k.drag_v)
     omega = omega_ref * k.drive_omega / (k.drive_omega + k.drag_omega)
     return np.stack(np.broadcast_arrays(v, omega), axis=-1)
@@ -144,7 +126,7 @@ def step_response(
     Raises:
         ValueError: a value is not a finite number, or a time is negative.
     """
-    t = _finite(t, "t")
+    t = numbers(t, "t")
     if (t < 0).any():
         raise ValueError(f"t must not be negative: the step is at t = 0, got {t.min()} s")
     k, (v, omega) = rates(vehicle), steady_state(v_ref, omega_ref, vehicle)
@@ -155,60 +137,36 @@ def step_response(
     return np.stack(columns, axis=-1)
 
 
-def ratios(
-    error_v: float, error_omega: float, v_ref: float, omega_ref: float
-) -> tuple[float, float]:
-    """What steady-state errors tell: drag over drive for v and omega, nothing more.
-
-    Mass, inertia, radius and gain enter both alike; only these two ratios can be inferred.
-
-    Args:
-        error_v, error_omega: commanded less settled speed [m/s, rad/s].
-        v_ref, omega_ref: commanded speeds [m/s, rad/s].
-
-    Returns:
-        g K_x m r^2/(4 K_ptau) and m g K_y a b r^2/(4 K_ptau c^2) [1].
-
-    Raises:
-        ValueError: an error is not between 0 and its command.
-    """
-    found = []
-    for name, error, command in (("v", error_v, v_ref), ("omega", error_omega, omega_ref)):
-        if not 0 <= error / command < 1:
-            raise ValueError(
-                f"error_{name} must lie between 0 and its command, got {error} of {command}"
-            )
-        found.append(float(error / (command - error)))
-    return found[0], found[1]
-
-
 def fit(
     error_v: float, error_omega: float, v_ref: float, omega_ref: float, vehicle: Vehicle = HUSKY
 ) -> Vehicle:
     """The vehicle with K_x and K_y such that it settles with the given errors at its K_ptau.
 
+    Steady errors tell drag over drive for v and omega, nothing more: mass, inertia, radius and gain
+    enter both alike.
+
     Args:
-        error_v, error_omega, v_ref, omega_ref: as for `ratios`.
+        error_v, error_omega: commanded less settled speed [m/s, rad/s].
+        v_ref, omega_ref: commanded speeds [m/s, rad/s].
         vehicle: all its other numbers stay.
 
     Returns:
         The vehicle with its `rolling` and `lateral` replaced.
 
     Raises:
-        ValueError: as for `ratios`.
+        ValueError: an error is not between 0 and its command.
     """
-    ratio_v, ratio_omega = ratios(error_v, error_omega, v_ref, omega_ref)
     k, p = rates(vehicle), vehicle
     lever = p.mass * p.gravity * p.front * p.rear / p.inertia
     return replace(
         vehicle,
-        rolling=ratio_v * k.drive_v / p.gravity,
-        lateral=ratio_omega * k.drive_omega / lever,
+        rolling=_drag_over_drive(error_v, v_ref, "error_v") * k.drive_v / p.gravity,
+        lateral=_drag_over_drive(error_omega, omega_ref, "error_omega") * k.drive_omega / lever,
     )
 
 
-def _finite(values: ArrayLike, name: str) -> NDArray:
-    array = real_array(values, f"{name} must be numbers")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite, got {values!r}")
-    return array
+def _drag_over_drive(error: float, command: float, name: str) -> float:
+    error, command = number(error, name), number(command, f"the command of {name}")
+    if command == 0 or not 0 <= error / command < 1:
+        raise ValueError(f"{name} must lie between 0 and its command, got {error} of {command}")
+    return error / (command - error)

@@ -20,7 +20,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.vehicle.skid_steer.kinematics import _ending_in, contact_velocity, world_velocity
+from backhoe.basics.inputs import not_negative, numbers
+from backhoe.vehicle.skid_steer.kinematics import contact_velocity, world_velocity
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
 
@@ -37,9 +38,7 @@ def contact_forces(slip: ArrayLike, vehicle: Vehicle = HUSKY) -> NDArray:
     Raises:
         ValueError: slip does not end in (4, 2) finite numbers.
     """
-    slip = _ending_in(slip, 2, "slip", "along, across")
-    if slip.ndim < 2 or slip.shape[-2] != 4:
-        raise ValueError(f"slip must end in (4, 2): four wheels, got shape {slip.shape}")
+    slip = numbers(slip, "slip", (..., 4, 2), meaning="along and across of four wheels")
     speed = np.hypot(slip[..., 0], slip[..., 1])
     at_rest = np.full_like(speed, 2 / pi * vehicle.smoothing)
     share = np.arctan(vehicle.smoothing * speed) * 2 / pi
@@ -53,25 +52,27 @@ def state_rate(
     """Rate of change of the state: the equations of motion.
 
     Args:
-        state: X, Y, theta, v_x, v_y, omega, wheel speeds, shape (..., 10).
+        state: X, Y, theta, v_x, v_y, omega, wheel speeds, shape (..., 10) [m, m, rad, m/s, m/s,
+            rad/s, rad/s].
         torque: of the drives on the wheels, shape (..., 4) [N m].
         vehicle: its numbers.
         rotor_inertia: of what turns with each wheel, seen at the wheel [kg m^2].
 
     Returns:
-        Shape (..., 10).
+        Shape (..., 10) [units of the state per s].
 
     Raises:
         ValueError: state does not end in 10, or torque in 4 finite numbers.
     """
-    state = _ending_in(state, 10, "state", "pose, velocity, wheel speeds")
-    torque = _ending_in(torque, 4, "torque", "one a wheel")
+    state = _state(state)
+    torque = numbers(torque, "torque", (..., 4), meaning="torques of wheels")
     velocity, wheels = state[..., 3:6], state[..., 6:]
     force = contact_forces(contact_velocity(velocity, wheels, vehicle), vehicle)
     x, y = vehicle.positions.T
     along, across = force[..., 0], force[..., 1]
     v_x, v_y, omega = np.moveaxis(velocity, -1, 0)
     r, rolling = vehicle.wheel_radius, vehicle.loads * vehicle.rolling
+    inertia = vehicle.wheel_inertia + not_negative(rotor_inertia, "rotor_inertia", "kg m^2")
     body = [
         along.sum(-1) / vehicle.mass + v_y * omega,
         across.sum(-1) / vehicle.mass - v_x * omega,
@@ -82,29 +83,17 @@ def state_rate(
         [
             world_velocity(state[..., 2], velocity),
             np.stack(body, axis=-1),
-            spin / (vehicle.wheel_inertia + rotor_inertia),
+            spin / inertia,
         ],
         axis=-1,
     )
-
-
-def energy(state: ArrayLike, vehicle: Vehicle = HUSKY, *, rotor_inertia: float = 0.0) -> NDArray:
-    """Kinetic energy of body, wheels and rotors [J], for states of shape (..., 10).
-
-    Raises:
-        ValueError: state does not end in 10 finite numbers.
-    """
-    state = _ending_in(state, 10, "state", "pose, velocity, wheel speeds")
-    spin = vehicle.wheel_inertia + rotor_inertia
-    weights = np.r_[vehicle.mass, vehicle.mass, vehicle.inertia, [spin] * 4]
-    return (weights * state[..., 3:] ** 2).sum(-1) / 2
 
 
 def friction_power(state: ArrayLike, vehicle: Vehicle = HUSKY) -> NDArray:
     """Power of friction at the contacts and of the resistance to rolling [W], never positive.
 
     Args:
-        state: shape (..., 10).
+        state: as for `state_rate`, shape (..., 10).
         vehicle: its numbers.
 
     Returns:
@@ -113,7 +102,7 @@ def friction_power(state: ArrayLike, vehicle: Vehicle = HUSKY) -> NDArray:
     Raises:
         ValueError: state does not end in 10 finite numbers.
     """
-    state = _ending_in(state, 10, "state", "pose, velocity, wheel speeds")
+    state = _state(state)
     slip = contact_velocity(state[..., 3:6], state[..., 6:], vehicle)
     rolled = vehicle.wheel_radius * state[..., 6:]
     sliding = (contact_forces(slip, vehicle) * slip).sum((-1, -2))
@@ -148,52 +137,5 @@ def turning_half_track(vehicle: Vehicle = HUSKY) -> float:
     return vehicle.half_track + share * vehicle.front * vehicle.rear / vehicle.half_track
 
 
-def turning_moment(vehicle: Vehicle = HUSKY) -> float:
-    """Largest moment of lateral friction against turning in place, mu_y sum N_i |x_i| [N m]."""
-    return vehicle.friction_lateral * float(vehicle.loads @ np.abs(vehicle.positions[:, 0]))
-
-
-def advance(
-    state: ArrayLike,
-    drive: ArrayLike,
-    dt: float,
-    vehicle: Vehicle = HUSKY,
-    *,
-    damping: ArrayLike = 0.0,
-    rotor_inertia: ArrayLike = 0.0,
-    tolerance: float = 1e-5,
-) -> NDArray:
-    """The state a time dt later, with the wheels driven by torques drive - damping * speed.
-
-    This is a constant torque (damping 0), a motor at a constant voltage, or proportional speed
-    control with a constant reference. Integrated by a Rosenbrock method of third order with steps
-    that it chooses itself (`kernels`): the slip of a wheel dies out within about a millisecond.
-
-    Args:
-        state: shape (10,).
-        drive: shape (4,) [N m].
-        dt: time to go on [s].
-        vehicle: its numbers.
-        damping: shape (4,) or one for all [N m s/rad].
-        rotor_inertia: of what turns with each wheel, seen at the wheel, (4,) or one [kg m^2].
-        tolerance: error of a step in m, rad, m/s and rad/s, relative to 1 plus the value.
-
-    Returns:
-        The new state, shape (10,).
-
-    Raises:
-        ValueError: a shape is wrong, a value not finite, dt or tolerance not positive, or damping
-            or rotor_inertia negative.
-    """
-    from backhoe.vehicle.skid_steer import kernels
-
-    state = _ending_in(state, 10, "state", "pose, velocity, wheel speeds").copy()
-    drive = _ending_in(drive, 4, "drive", "one a wheel")
-    if state.ndim != 1 or drive.ndim != 1:
-        raise ValueError(f"advance takes one state and one drive, got {state.shape}, {drive.shape}")
-    for name, value in (("dt", dt), ("tolerance", tolerance)):
-        if not (np.ndim(value) == 0 and np.isfinite(value) and value > 0):
-            raise ValueError(f"{name} must be a positive number, got {value!r}")
-    record = kernels.record([vehicle], damping, rotor_inertia)
-    kernels.advance(state, drive, record[0], float(dt), np.full(1, dt), tolerance, kernels.room())
-    return state
+def _state(state: ArrayLike) -> NDArray:
+    return numbers(state, "state", (..., 10), meaning="values (pose, velocity, wheel speeds)")

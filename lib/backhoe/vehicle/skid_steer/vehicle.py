@@ -4,31 +4,24 @@ Axes: x forward, y left, z up, origin at the centre of mass. Wheels in the order
 right, rear left, rear right, at (a, c), (a, -c), (-b, c), (-b, -c). SI units and radians.
 
 `HUSKY` is a robot of the size that the source simulates; `PROVENANCE` says where each number comes
-from. The excavator of this course as such a vehicle is made by `tracked`.
+from. The excavator of this course as such a vehicle is `travel.BACKHOE_TRACKS`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from math import isfinite
-from numbers import Real
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from backhoe.basics.inputs import not_negative, number, positive
 
 WHEELS = ("front left", "front right", "rear left", "rear right")
 
 DRIVEN = {"all": (1.0, 1.0, 1.0, 1.0), "front": (1.0, 1.0, 0.0, 0.0)}
 """Which wheels have a motor, in the order of `WHEELS`."""
 
-_MAY_BE_ZERO = (
-    "clearance",
-    "friction_longitudinal",
-    "friction_lateral",
-    "rolling",
-    "lateral",
-    "x_icr",
-)
+_MAY_BE_ZERO = ("clearance", "friction_longitudinal", "friction_lateral", "rolling", "lateral")
 
 
 @dataclass(frozen=True)
@@ -80,8 +73,10 @@ class Vehicle:
     gravity: float = 9.81
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            self._require_number(field.name)
+        for name, value in vars(self).items():
+            check = not_negative if name in _MAY_BE_ZERO else positive
+            check = number if name == "x_icr" else check
+            object.__setattr__(self, name, check(value, f"Vehicle.{name}"))
         if 4 * self.wheel_mass >= self.mass:
             raise ValueError(
                 f"Vehicle.mass includes the wheels: 4 x {self.wheel_mass} kg leave nothing of "
@@ -92,16 +87,6 @@ class Vehicle:
                 f"Vehicle.x_icr must lie between the axles, in (-{self.rear}, {self.front}) m, got "
                 f"{self.x_icr}: beyond them the vehicle slides away sideways (2.5)"
             )
-
-    def _require_number(self, name: str) -> None:
-        value = getattr(self, name)
-        if isinstance(value, bool) or not isinstance(value, Real) or not isfinite(value):
-            raise ValueError(f"Vehicle.{name} must be a finite number, got {value!r}")
-        if value <= 0 and name not in _MAY_BE_ZERO:
-            raise ValueError(f"Vehicle.{name} must be positive, got {value!r}")
-        if value < 0 and name != "x_icr":
-            raise ValueError(f"Vehicle.{name} must not be negative, got {value!r}")
-        object.__setattr__(self, name, float(value))
 
     @property
     def body_mass(self) -> float:

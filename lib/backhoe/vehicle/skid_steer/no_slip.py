@@ -2,7 +2,8 @@
 
 In both, each speed runs from where it is to the value that its command gives, by one rate (infinite
 in the kinematic model): speed(t) = final + (speed - final) exp(-rate t). Heading follows in closed
-form, and position by Gauss's rule within each sample.
+form, and position by Gauss's rule within each sample. `plant` has the same for one vehicle, step by
+step.
 """
 
 from __future__ import annotations
@@ -16,25 +17,26 @@ from backhoe.vehicle.skid_steer.kinematics import wheel_speeds
 from backhoe.vehicle.skid_steer.linear_model import rates
 from backhoe.vehicle.skid_steer.vehicle import Vehicle
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+NODES, WEIGHTS = (x / 2 for x in np.polynomial.legendre.leggauss(4))
+"""Gauss's rule over an interval from -1/2 to 1/2."""
 
 
 def drive(
-    command: NDArray, dt: float, vehicles: Sequence[Vehicle], model: str, start: NDArray
+    command: NDArray, vehicles: Sequence[Vehicle], start: NDArray, dt: float, model: str
 ) -> NDArray:
     """States at the ends of the samples, from rest.
 
     Args:
         command: v_ref and omega_ref, shape (2, runs, n) [m/s, rad/s].
-        dt: sample time [s].
         vehicles: one a run.
-        model: "kinematic" or "linear".
         start: first poses, shape (runs, 3) [m, m, rad].
+        dt: sample time [s].
+        model: "kinematic" or "linear".
 
     Returns:
         Pose, velocity and wheel speeds as in `slipping`, shape (runs, n + 1, 10).
     """
-    gain, rate = (x[..., None] for x in _gain_and_rate(vehicles, model))
+    gain, rate = (x[..., None] for x in gain_and_rate(vehicles, model))
     final = gain * command
     speed = _speeds(final, np.exp(-rate * dt))
     theta, place = _poses(final, speed[..., :-1] - final, rate, dt, start)
@@ -46,7 +48,7 @@ def drive(
     return np.concatenate([np.stack(columns, axis=-1), wheels, wheels], axis=-1)
 
 
-def _gain_and_rate(vehicles: Sequence[Vehicle], model: str) -> tuple[NDArray, NDArray]:
+def gain_and_rate(vehicles: Sequence[Vehicle], model: str) -> tuple[NDArray, NDArray]:
     """Steady speed over command, and the rate towards it [1/s], for v and omega: (2, runs) each."""
     if model == "kinematic":
         return np.ones((2, len(vehicles))), np.full((2, len(vehicles)), np.inf)
@@ -73,8 +75,8 @@ def _poses(
 
     theta = np.cumsum(np.c_[start[:, 2], turned(dt)], axis=1)
     move = np.zeros(final.shape[1:], complex)
-    for node, weight in zip(dt / 2 * (_NODES + 1), dt / 2 * _WEIGHTS, strict=True):
-        v = final[0] + missing[0] * np.exp(-rate[0] * node)
-        move += weight * v * np.exp(1j * (theta[:, :-1] + turned(node)))
+    for t, weight in zip(dt * (NODES + 0.5), dt * WEIGHTS, strict=True):
+        v = final[0] + missing[0] * np.exp(-rate[0] * t)
+        move += weight * v * np.exp(1j * (theta[:, :-1] + turned(t)))
     first = start[:, 0] + 1j * start[:, 1]
     return theta, np.cumsum(np.c_[first, move], axis=1)

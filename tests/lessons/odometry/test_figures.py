@@ -48,7 +48,7 @@ def test_steps_are_labelled_as_they_are():
 
 
 def test_one_step_is_drawn_to_scale_from_its_start_to_each_end():
-    ax = figures.one_step(ARC[0], ARC, {"Euler": (1.0, 0.0)}, {"Euler": "printed"}).axes[0]
+    ax = figures.one_step(ARC[0], ARC, {"Euler": (1.0, 0.0, 0.0)}, {"Euler": "printed"}).axes[0]
     assert ax.get_aspect() == 1.0
     arc, chord = ax.lines[:2]
     np.testing.assert_allclose(arc.get_xydata(), ARC[:, :2])
@@ -87,7 +87,7 @@ def test_the_default_mecanum_wheels_slide_where_the_librarys_robot_feels_nothing
     [
         lambda: figures.areas(T, V, speed),
         lambda: figures.error_orders(STEPS, ERRORS),
-        lambda: figures.one_step(ARC[0], ARC, {"Euler": (1.0, 0.0)}),
+        lambda: figures.one_step(ARC[0], ARC, {"Euler": (1.0, 0.0, 0.0)}),
         lambda: figures.end_places(ENDS),
         lambda: figures.wheeled(TWO_SIDES),
         figures.wheeled,
@@ -105,20 +105,27 @@ def test_figures_are_the_same_when_drawn_again_and_their_axes_have_units(draw):
 @pytest.mark.parametrize(
     "call, match",
     [
-        (lambda: figures.areas(T, V[1:], speed), "a sample of v each"),
+        (lambda: figures.areas(T, V[1:], speed), "v must be a speed for each time"),
         (lambda: figures.areas(T[::-1], V, speed), "must rise"),
         (lambda: figures.areas(T, V * np.nan, speed), "v must be finite"),
-        (lambda: figures.error_orders(STEPS, {"a": [1.0, 2.0]}), "3 errors above 0"),
-        (lambda: figures.error_orders(STEPS, {"a": [1.0, 0.0, 2.0]}), "3 errors above 0"),
+        (lambda: figures.error_orders(STEPS, {"a": [1.0, 2.0]}), r"a must have shape \(3,\)"),
+        (lambda: figures.error_orders(STEPS, {"a": [1.0, 0.0, 2.0]}), "errors must be above 0"),
         (lambda: figures.error_orders(STEPS, ERRORS, kinds={"b": "truth"}), "no errors called"),
-        (lambda: figures.error_orders([0.1], {"a": [1.0]}), "two steps"),
-        (lambda: figures.one_step(ARC[0, :2], ARC, {}), r"pose must be \(3,\)"),
-        (lambda: figures.one_step(ARC[0], ARC, {"a": (1, 2, 3, 4)}), "x, y or a pose"),
+        (lambda: figures.error_orders([0.1], {"a": [1.0]}), "2 or more"),
+        (lambda: figures.error_orders(STEPS, {}), "one rule at least"),
+        (lambda: figures.one_step(ARC[0, :2], ARC, {}), r"pose must have shape \(3,\)"),
+        (lambda: figures.one_step(ARC[0], ARC, {"a": (1, 2, 3, 4)}), "a must be x, y, psi"),
         (lambda: figures.one_step(ARC[0], ARC, {}, {"b": "truth"}), "no end called"),
         (lambda: figures.end_places({}), "at least one panel"),
-        (lambda: figures.end_places({"a": {"cw": np.zeros((3, 3))}}), r"must be \(n, 2\)"),
+        (
+            lambda: figures.end_places({"a": {"cw": np.zeros((3, 3))}}),
+            r"cw must have shape \(n, 2\)",
+        ),
         (lambda: figures.wheeled({}), "at least one robot"),
-        (lambda: figures.wheeled({"a": [(0, 0, 0)]}), r"must be \(n, 4\)"),
+        (
+            lambda: figures.wheeled({"a": [(0, 0, 0)]}),
+            r"a must be wheels \(x, y, drive, free\), shape \(n, 4\)",
+        ),
     ],
 )
 def test_bad_input_is_named(call, match):

@@ -10,6 +10,7 @@ from matplotlib.patches import Arc, Ellipse, Polygon, Rectangle
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
+from backhoe.basics.inputs import numbers
 from backhoe.machine import BACKHOE, Machine
 from backhoe.view.plots.drawing import (
     HEIGHT_LABEL,
@@ -295,9 +296,7 @@ def turn(
     Raises:
         ValueError: poses are not of shape (n, 3).
     """
-    poses = np.asarray(poses, dtype=float)
-    if poses.ndim != 2 or poses.shape[1] != 3 or not len(poses):
-        raise ValueError(f"poses must be of shape (n, 3): x, y, heading; got {poses.shape}")
+    poses = numbers(poses, "poses", ("n", 3), meaning="x, y, heading")
     fig, ax = figure(6.8, 4.8)
     half = machine.tracks.gauge / 2
     left = np.column_stack((-np.sin(poses[:, 2]), np.cos(poses[:, 2])))

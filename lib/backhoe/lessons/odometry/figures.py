@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, times
+from backhoe.localisation.odometry import order
 from backhoe.view.plots.style import (
     BLUE,
     COLOURS,
@@ -42,9 +43,8 @@ def areas(t: ArrayLike, v: ArrayLike, speed: Callable[[NDArray], NDArray]) -> Fi
     Raises:
         ValueError: fewer than two samples, t that does not rise, or shapes that do not fit.
     """
-    t, v = _checked(t, "t"), _checked(v, "v")
-    if len(t) != len(v) or len(t) < 2 or (np.diff(t) <= 0).any():
-        raise ValueError(f"t must rise and have a sample of v each, two at least, got {len(t)}")
+    t = times(t)
+    v = numbers(v, "v", t.shape, meaning="a speed for each time")
     fig, (left, right) = figure(6.8, 3.5, columns=2, sharey=True)
     fine = np.linspace(t[0], t[-1], 400)
     right_edges = [(a, a, b, b) for a, b in pairwise(t)]
@@ -83,21 +83,19 @@ def error_orders(
         ValueError: an error that is not above 0, another number of errors than of steps, fewer than
             two steps, or a kind of no curve.
     """
-    steps, kinds = _checked(steps, "steps"), dict(kinds or {})
+    steps, kinds = numbers(steps, "steps", ("n",)), dict(kinds or {})
     if lost := set(kinds) - set(errors):
         raise ValueError(f"no errors called {sorted(lost)}: there are {sorted(errors)}")
-    if steps.ndim != 1 or len(steps) < 2 or (steps <= 0).any() or not errors:
-        raise ValueError(f"an order needs two steps above 0 and some errors, got {steps}")
+    if not errors:
+        raise ValueError("error_orders needs the errors of one rule at least: label -> errors")
+    drawn = {label: numbers(values, label, steps.shape) for label, values in errors.items()}
+    fits = {label: order(steps, values) for label, values in drawn.items()}
     fig, ax = figure(6.8, 4.2)
     markers = "osD^vPX*"
-    drawn = {label: _checked(values, label) for label, values in errors.items()}
     for place, (label, values) in enumerate(drawn.items()):
-        if len(values) != len(steps) or (values <= 0).any():
-            raise ValueError(f"{label!r} needs {len(steps)} errors above 0, got {values}")
         style = {"color": COLOURS[place % 6], **KINDS.get(kinds.get(label, ""), {})}
         ax.plot(steps, values, marker=markers[place % 8], ms=5, label=label, **style)
     for slope in slopes:
-        fits = {name: _slope(steps, values) for name, values in drawn.items()}
         nearest = min(fits, key=lambda name: abs(fits[name] - slope))
         guide = 2.2 * drawn[nearest].max() * (steps / steps.max()) ** slope
         ax.plot(steps, guide, **KINDS["reference"])
@@ -132,26 +130,22 @@ def one_step(
 
     Args:
         pose: x, y, psi at the start, shape (3,) [m, m, rad].
-        arc: points or poses of the true way, shape (n, 2) or (n, 3) [m].
-        ends: label -> x, y or pose at the end, shape (2,) or (3,) [m].
+        arc: poses of the true way, shape (n, 3) [m, m, rad].
+        ends: label -> pose at the end, shape (3,) [m, m, rad].
         kinds: label -> "printed" and the like; others get a colour.
 
     Raises:
         ValueError: values of another shape or not finite, or a kind of no end.
     """
-    pose, arc = _checked(pose, "pose"), np.atleast_2d(_checked(arc, "arc"))
+    pose, arc = numbers(pose, "pose", (3,)), numbers(arc, "arc", ("n", 3))
     kinds = dict(kinds or {})
     if lost := set(kinds) - set(ends):
         raise ValueError(f"no end called {sorted(lost)}: there are {sorted(ends)}")
-    if pose.shape != (3,) or arc.ndim != 2 or arc.shape[1] not in (2, 3):
-        raise ValueError(f"pose must be (3,) and arc (n, 2 or 3), got {pose.shape}, {arc.shape}")
     fig, ax = figure(6.8, 4.2)
     ax.plot(*arc[:, :2].T, **KINDS["truth"], label="true arc", zorder=5)
     colours = iter(COLOURS * 3)
     for label, end in ends.items():
-        place = _checked(end, label)
-        if place.shape not in ((2,), (3,)):
-            raise ValueError(f"the end {label!r} must be x, y or a pose, got shape {place.shape}")
+        place = numbers(end, label, (3,), meaning="x, y, psi")
         style = KINDS.get(kinds.get(label, ""), {"color": next(colours)})
         ax.plot(*np.array([pose[:2], place[:2]]).T, **style, label=label)
         ax.plot(*place[:2], "o", color=style["color"], mec="white", ms=9, zorder=6)
@@ -179,9 +173,7 @@ def end_places(panels: Mapping[str, Mapping[str, ArrayLike]]) -> Figure:
         for colour, marker, (label, places) in zip(
             COLOURS * 3, "osD^vP" * 3, groups.items(), strict=False
         ):
-            places = _checked(places, label)
-            if places.ndim != 2 or places.shape[1] != 2:
-                raise ValueError(f"the places {label!r} must be (n, 2), got {places.shape}")
+            places = numbers(places, label, ("n", 2))
             ax.plot(*places.T, marker, color=colour, ms=5, alpha=0.7, label=label)
             ax.plot(*places.mean(axis=0), "+", color=DARK, ms=14, mew=2, zorder=6)
         ax.plot(0, 0, "*", color=GREY, ms=12, label="start")
@@ -214,9 +206,10 @@ def wheeled(
     fig, axes = figure(6.8, 3.0, columns=len(robots), squeeze=False, sharey=True)
     farthest = 0.0
     for ax, (title, wheels) in zip(axes[0], robots.items(), strict=True):
-        wheels = np.array(real_array(wheels, f"the wheels of {title!r} must be numbers"))
-        if wheels.ndim != 2 or wheels.shape[1] != 4 or not np.isfinite(wheels[:, :3]).all():
-            raise ValueError(f"the wheels of {title!r} must be (n, 4): x, y, drive, free")
+        wheels = numbers(
+            wheels, title, ("n", 4), meaning="wheels (x, y, drive, free)", finite=False
+        )
+        numbers(wheels[:, :3], title)
         farthest = max(farthest, _robot(ax, wheels))
         ax.set(title=title, xlabel="$x$ forward [m]", aspect="equal")
     span = (-1.65 * farthest, 1.65 * farthest)
@@ -226,17 +219,6 @@ def wheeled(
     handles = {h.get_label(): h for ax in axes[0] for h in ax.lines if h.get_label()[0] != "_"}
     fig.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
     return fig
-
-
-def _checked(values: ArrayLike, name: str) -> NDArray:
-    values = real_array(values, f"{name} must be numbers")
-    if not np.isfinite(values).all():
-        raise ValueError(f"{name} must be finite numbers")
-    return values
-
-
-def _slope(steps: NDArray, errors: NDArray) -> float:
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
 
 
 def _vehicle(ax: Axes, pose: NDArray, size: float) -> None:

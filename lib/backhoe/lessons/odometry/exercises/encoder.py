@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +16,7 @@ def ticks(counts: NDArray, bits: int) -> NDArray:
     return (np.diff(counts) + span // 2) % span - span // 2
 
 
-def _readings(rng: np.random.Generator) -> list[tuple]:
+def _readings(rng: np.random.Generator) -> list[tuple[NDArray, int]]:
     cases = []
     for bits in (8, 10, 12, 16) * 4:
         steps = rng.integers(-(2 ** (bits - 2)), 2 ** (bits - 2), 40)
@@ -25,49 +27,45 @@ def _readings(rng: np.random.Generator) -> list[tuple]:
     return cases
 
 
-def _modulo(counts: NDArray, bits: int, span: float, shift: float) -> NDArray:
-    return (np.diff(counts) + shift) % span - shift
+def _of_steps(rule: Callable[[NDArray, int], NDArray]) -> Callable[[NDArray, int], NDArray]:
+    """`rule` of the differences between readings and the counter's span."""
+    return lambda counts, bits: rule(np.diff(counts), 2**bits)
 
 
 TICKS = Exercise(
     number="6.6",
     title="A counter that wraps round",
     reference=ticks,
+    oracle="unwrapped_by_numpy",
     cases=_readings,
     mistakes={
         "when the counter passes its end, it seems to jump back by all of its span": (
-            lambda counts, bits: np.diff(counts)
+            _of_steps(lambda steps, span: steps)
         ),
         "it only ever runs forwards: a small step back reads as nearly a whole span": (
-            lambda counts, bits: np.diff(counts) % 2**bits
+            _of_steps(np.remainder)
         ),
-        "the sign is lost: backwards counts negative": (
-            lambda counts, bits: np.abs(ticks(counts, bits))
-        ),
+        "the sign is lost: backwards counts negative": lambda *given: np.abs(ticks(*given)),
         "one tick is lost at each wrap: a counter of b bits has 2^b readings, 0 included": (
-            lambda counts, bits: _modulo(counts, bits, 2**bits - 1, 2 ** (bits - 1))
+            _of_steps(lambda steps, span: (steps + span // 2) % (span - 1) - span // 2)
         ),
         "the span is that of 16 bits each time: use the bits that you are given": (
-            lambda counts, bits: _modulo(counts, 16, 2**16, 2**15)
+            lambda counts, bits: ticks(counts, 16)
         ),
         "np.unwrap takes these for radians: tell it the period, or scale them first": (
             lambda counts, bits: np.diff(np.unwrap(counts.astype(float)))
         ),
         "these are the ticks since the start: return those from reading to reading": (
-            lambda counts, bits: np.cumsum(ticks(counts, bits))
+            lambda *given: np.cumsum(ticks(*given))
         ),
         "wraps forwards are repaired, wraps backwards are not: a rise may be too large, too": (
-            lambda counts, bits: np.where(
-                np.diff(counts) < -(2 ** (bits - 1)), np.diff(counts) + 2**bits, np.diff(counts)
-            )
+            _of_steps(lambda steps, span: np.where(steps < -span / 2, steps + span, steps))
         ),
         "steps over the wrap are thrown away: repair them instead": (
-            lambda counts, bits: np.where(
-                np.abs(np.diff(counts)) > 2 ** (bits - 1), 0, np.diff(counts)
-            )
+            _of_steps(lambda steps, span: np.where(np.abs(steps) > span / 2, 0, steps))
         ),
-        "forwards counts positive: newer reading minus older reading": (
-            lambda counts, bits: -ticks(counts, bits)
+        "forwards counts positive: newer reading minus older reading": lambda *given: (
+            -ticks(*given)
         ),
     },
     hints=(

@@ -3,43 +3,41 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from backhoe.lessons.exercise import Exercise
 
-_PLACES = np.radians([0.0, 120.0, 240.0])
 
-
-def wheel_matrix(distance: float, places: NDArray = _PLACES) -> NDArray:
-    """Rim speeds of the wheels from v_x, v_y, omega in the body, shape (3, 3)."""
-    return np.stack([-np.sin(places), np.cos(places), np.full(3, distance)], axis=1)
-
-
-def jacobian(radius: float, distance: float) -> NDArray:
-    """J with (v_x, v_y, omega) = J @ wheel speeds, in the body, shape (3, 3) [m, m, 1]."""
-    return radius * np.linalg.inv(wheel_matrix(distance))
+def jacobian(
+    radius: float, distance: float, places_deg: ArrayLike = (0.0, 120.0, 240.0)
+) -> NDArray:
+    """B with (v_x, v_y, omega) = B @ wheel speeds, in the body, shape (3, 3) [m, m, 1]."""
+    a = np.radians(places_deg)
+    rim_speeds = np.column_stack((-np.sin(a), np.cos(a), np.full(3, distance)))
+    return radius * np.linalg.inv(rim_speeds)
 
 
 JACOBIAN = Exercise(
     number="6.3",
     title="Three wheels that slide sideways",
     reference=jacobian,
+    oracle="rims_as_fast_as_their_places",
     cases=lambda rng: [tuple(rng.uniform((0.03, 0.1), (0.12, 0.4))) for _ in range(20)],
     mistakes={
         "that matrix makes wheel speeds from the robot's: the Jacobian is its inverse": (
-            lambda radius, distance: wheel_matrix(distance) / radius
+            lambda radius, distance: np.linalg.inv(jacobian(radius, distance))
         ),
         "the transpose is not the inverse: the rows are no unit vectors": (
-            lambda radius, distance: radius * wheel_matrix(distance).T
+            lambda radius, distance: radius * np.linalg.inv(jacobian(1.0, distance)).T
         ),
         "transposed: a row of J belongs to v_x, v_y or omega, a column to a wheel": (
             lambda radius, distance: jacobian(radius, distance).T
         ),
         "a larger wheel carries the robot farther at the same speed: multiply by the radius": (
-            lambda radius, distance: jacobian(radius, distance) / radius**2
+            lambda radius, distance: jacobian(1 / radius, distance)
         ),
         "that takes rim speeds in m/s: the wheels turn at Omega rad/s, their rims at r Omega": (
-            lambda radius, distance: jacobian(radius, distance) / radius
+            lambda radius, distance: jacobian(1.0, distance)
         ),
         "the robot turns at the same rate whatever its size: omega moves a rim by d omega": (
             lambda radius, distance: jacobian(radius, 1.0)
@@ -48,17 +46,10 @@ JACOBIAN = Exercise(
             lambda radius, distance: -jacobian(radius, distance)
         ),
         "your wheels drive away from the middle: they drive across that, along (-sin a, cos a)": (
-            lambda radius, distance: (
-                radius
-                * np.linalg.pinv(
-                    np.stack([np.cos(_PLACES), np.sin(_PLACES), np.full(3, distance)], axis=1)
-                )
-            )
+            lambda radius, distance: jacobian(radius, distance, (-90.0, 30.0, 150.0))
         ),
         "the angles 120 and 240 are degrees: np.radians before the sines": (
-            lambda radius, distance: (
-                radius * np.linalg.inv(wheel_matrix(distance, np.array([0.0, 120.0, 240.0])))
-            )
+            lambda radius, distance: jacobian(radius, distance, np.degrees((0.0, 120.0, 240.0)))
         ),
     },
     hints=(

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise
-from backhoe.localisation import odometry
+from backhoe.localisation.odometry import Wheels, square
 
 
 def calibrate(cw: NDArray, ccw: NDArray, side: float, gauge: float) -> tuple[float, float]:
@@ -22,115 +24,78 @@ def calibrate(cw: NDArray, ccw: NDArray, side: float, gauge: float) -> tuple[flo
 def _squares(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for _ in range(15):
-        gauge, side = rng.uniform(0.3, 2.5), rng.uniform(3, 6)
+        gauge, side = map(float, rng.uniform((0.3, 3.0), (2.5, 6.0)))
         ratio = 1 + rng.uniform(0.002, 0.02) * rng.choice([-1, 1])
-        true = odometry.Wheels(
-            2 / (1 + ratio), 2 * ratio / (1 + ratio), gauge * rng.uniform(0.96, 1.04)
-        )
-        ends = [
-            odometry.square(true, odometry.Wheels(1.0, 1.0, gauge), side, way, runs=5)[:, :2]
-            + rng.normal(0, 0.01, (5, 2))
+        true = Wheels(2 / (1 + ratio), 2 * ratio / (1 + ratio), gauge * rng.uniform(0.96, 1.04))
+        cw, ccw = (
+            square(true, Wheels(1.0, 1.0, gauge), side, way)[:, :2] + rng.normal(0, 0.01, (5, 2))
             for way in ("cw", "ccw")
-        ]
-        cases.append((*ends, float(side), float(gauge)))
+        )
+        cases.append((cw, ccw, side, gauge))
     return cases
 
 
 def right_calibration(
-    answer: tuple,
-    reference: tuple,
-    cw: NDArray,
-    ccw: NDArray,
-    side: float,
-    gauge: float,
+    answer: tuple, reference: tuple, cw: NDArray, ccw: NDArray, side: float, gauge: float
 ) -> bool | str:
     """x alone or x and y, the bend's radius with the drawn gauge or with the real one."""
     if np.shape(answer) != (2,):
         return "two numbers are asked: the real gauge, and the right over the left radius"
-    both = [
-        (cw + cw[:, ::-1]) / 2,
-        (ccw - ccw[:, ::-1]) / 2,
-    ]
     right = []
-    for ends in ((cw, ccw), both):
-        found, _ = calibrate(*ends, side, gauge)
-        right += [(found, calibrate(*ends, side, lever)[1]) for lever in (gauge, found)]
+    for ends in ((cw, ccw), ((cw + cw[:, ::-1]) / 2, (ccw - ccw[:, ::-1]) / 2)):
+        found, ratio = calibrate(*ends, side, gauge)
         beta = (ends[1][:, 0].mean() - ends[0][:, 0].mean()) / (4 * side)
-        right.append((found, 1 + beta * gauge / side))
+        ratios = ratio, calibrate(*ends, side, found)[1], 1 + beta * gauge / side
+        right += [(found, one) for one in ratios]
     return any(np.allclose(answer, one, rtol=1e-6) for one in right)
 
 
-def _angles(
-    cw: NDArray, ccw: NDArray, side: float, gauge: float, alpha: float, beta: float
-) -> tuple[float, float]:
-    """The calibration with alpha and beta scaled, as mistakes scale them."""
-    x_cw, x_ccw = cw[:, 0].mean(), ccw[:, 0].mean()
-    turned = alpha * (x_ccw + x_cw) / (4 * side)
-    bend = side / (beta * (x_ccw - x_cw) / (4 * side))
-    ratio = (bend + gauge / 2) / (bend - gauge / 2)
-    return gauge * (np.pi / 2) / (np.pi / 2 + turned), ratio
+def _scaled(cw: float, ccw: float) -> Callable[..., tuple[float, float]]:
+    return lambda ends_cw, ends_ccw, *given: calibrate(cw * ends_cw, ccw * ends_ccw, *given)
 
 
-def _exchanged(cw: NDArray, ccw: NDArray, side: float, gauge: float) -> tuple[float, float]:
-    """Sum and difference exchanged."""
-    mirrored = -cw
-    return calibrate(mirrored, ccw, side, gauge)
-
-
-def _gauge_upside_down(cw: NDArray, ccw: NDArray, side: float, gauge: float) -> tuple:
-    found, ratio = calibrate(cw, ccw, side, gauge)
-    return gauge**2 / found, ratio
-
-
-def _one_way(cw: NDArray, ccw: NDArray, side: float, gauge: float) -> tuple[float, float]:
-    with np.errstate(all="ignore"):
-        alpha = ccw[:, 0].mean() / (2 * side)
-    return gauge * (np.pi / 2) / (np.pi / 2 + alpha), 1.0
+def _changed(change: Callable) -> Callable[..., tuple[float, float]]:
+    """`change` of the gauge found, the ratio found and the gauge drawn."""
+    return lambda *given: change(*calibrate(*given), given[-1])
 
 
 SQUARES = Exercise(
     number="6.7",
     title="Calibrate from squares",
     reference=calibrate,
+    oracle="squares_end_there_again",
     cases=_squares,
     compare=right_calibration,
     mistakes={
         "sum and difference are exchanged: corners shift both x alike, bends shift them apart": (
-            _exchanged
+            _scaled(-1, 1)
         ),
         "the gauge goes the wrong way: who turns too little has a larger gauge than drawn": (
-            _gauge_upside_down
+            _changed(lambda found, ratio, gauge: (gauge**2 / found, ratio))
         ),
         "the ratio is left over right: a bend to the left needs the larger wheel on the right": (
-            lambda cw, ccw, side, gauge: (
-                calibrate(cw, ccw, side, gauge)[0],
-                1 / calibrate(cw, ccw, side, gauge)[1],
-            )
+            _changed(lambda found, ratio, gauge: (found, 1 / ratio))
         ),
         "alpha and beta come out half as large: x is -2 L (alpha +- beta), cw and ccw": (
-            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 0.5, 0.5)
+            _scaled(0.5, 0.5)
         ),
         "alpha and beta come out twice as large: sum and difference need a half, too": (
-            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 2.0, 2.0)
+            _scaled(2, 2)
         ),
         "alpha and beta are in degrees and then used as radians: the quarter turn is pi / 2": (
-            lambda cw, ccw, side, gauge: _angles(cw, ccw, side, gauge, 180 / np.pi, 180 / np.pi)
+            _scaled(180 / np.pi, 180 / np.pi)
         ),
-        "one direction alone cannot tell the two errors apart: use cw and ccw": _one_way,
+        "one direction alone cannot tell the two errors apart: use cw and ccw": (
+            lambda cw, ccw, side, gauge: (gauge / (1 + ccw[:, 0].mean() / (np.pi * side)), 1.0)
+        ),
         "the wheels run half a gauge inside and outside of the bend, not a whole one": (
-            lambda cw, ccw, side, gauge: (
-                calibrate(cw, ccw, side, gauge)[0],
-                calibrate(cw, ccw, side, 2 * gauge)[1],
-            )
+            lambda *given: (calibrate(*given)[0], calibrate(*given[:-1], 2 * given[-1])[1])
         ),
         "the two numbers are in the reverse order: the gauge first, then the ratio": (
-            lambda *given: calibrate(*given)[::-1]
+            _changed(lambda found, ratio, gauge: (ratio, found))
         ),
         "that is the factor of the gauge: return the gauge itself, in metres": (
-            lambda cw, ccw, side, gauge: (
-                calibrate(cw, ccw, side, gauge)[0] / gauge,
-                calibrate(cw, ccw, side, gauge)[1],
-            )
+            _changed(lambda found, ratio, gauge: (found / gauge, ratio))
         ),
     },
     hints=(

@@ -7,7 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.angles import wrap
 from backhoe.lessons.exercise import Exercise
+from backhoe.lessons.odometry import printed
+from backhoe.localisation import odometry
 
 Rate = Callable[[NDArray, NDArray], NDArray]
 
@@ -27,24 +30,14 @@ def right_trapezoid(
     u_new: NDArray,
     dt: float,
     f: Rate,
-) -> bool:
+) -> bool | str:
     """Any predictor of order 1 will do, and so will x_k solved for."""
-    before = f(x, u_old)
-    solved = x
-    for _ in range(60):
-        solved = x + dt / 2 * (before + f(solved, u_new))
-    other = x + dt / 2 * (before + f(x + dt * f(x, u_new), u_new))
     if np.shape(answer) != np.shape(reference):
         return "it must have the shape of x"
+    start = odometry.streaming.State(0.0, x, u_old)
+    solved = odometry.streaming.bilinear(start, dt, u_new, f).x
+    other = x + dt / 2 * (f(x, u_old) + f(x + dt * f(x, u_new), u_new))
     return any(np.allclose(answer, one, rtol=1e-9) for one in (reference, other, solved))
-
-
-def _robot(radius: float, gauge: float) -> Rate:
-    def f(x: NDArray, u: NDArray) -> NDArray:
-        v, omega = radius * (u[0] + u[1]) / 2, radius * (u[1] - u[0]) / gauge
-        return np.array([v * np.cos(x[2]), v * np.sin(x[2]), omega])
-
-    return f
 
 
 def _starts(rng: np.random.Generator) -> list[tuple]:
@@ -52,8 +45,8 @@ def _starts(rng: np.random.Generator) -> list[tuple]:
     for _ in range(20):
         x = rng.uniform((-5, -5, -7), (5, 5, 7))
         speeds = rng.uniform(1, 8, (2, 2))
-        robot = _robot(rng.uniform(0.05, 0.3), rng.uniform(0.4, 1.5))
-        cases.append((x, *speeds, float(rng.uniform(0.05, 0.3)), robot))
+        robot = odometry.differential(rng.uniform(0.05, 0.3), rng.uniform(0.4, 1.5))
+        cases.append((x, *speeds, float(rng.uniform(0.05, 0.3)), robot.rate))
     return cases
 
 
@@ -61,6 +54,7 @@ TRAPEZOID = Exercise(
     number="6.4",
     title="Repair Algorithm 4",
     reference=heun,
+    oracle="turn_at_the_old_rate_then_average",
     cases=_starts,
     compare=right_trapezoid,
     mistakes={
@@ -114,120 +108,84 @@ def arc(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
     return pose + np.array([chord * np.cos(middle), chord * np.sin(middle), omega * dt])
 
 
+_STRAIGHT = ((0.8, 0.0), (0.8, 1e-12), (-0.6, -1e-12), (0.9, 2e-4), (0.9, -2e-4))
+
+
 def _turns(rng: np.random.Generator) -> list[tuple]:
-    cases = [(*rng.uniform((-4, -4, -9), (4, 4, 9), (1, 3)), *rest) for rest in _EDGES]
-    for _ in range(25):
-        v, omega, dt = rng.uniform((-1.5, 0.1, 0.2), (1.5, 1.2, 1.5))
-        sign = rng.choice([-1.0, 1.0])
-        cases.append(
-            (rng.uniform((-4, -4, -9), (4, 4, 9)), float(v), float(sign * omega), float(dt))
-        )
-    return cases
+    poses = rng.uniform((-4, -4, -9), (4, 4, 9), (30, 3))
+    bends = rng.uniform((-1.5, 0.1), (1.5, 1.2), (25, 2))
+    bends[:, 1] *= rng.choice((-1.0, 1.0), 25)
+    speeds = [*_STRAIGHT, *bends.tolist()]
+    return [
+        (pose, *one, float(rng.uniform(0.2, 1.5))) for pose, one in zip(poses, speeds, strict=True)
+    ]
 
 
-_EDGES = (
-    (0.8, 0.0, 0.5),
-    (0.8, 1e-12, 0.5),
-    (-0.6, -1e-12, 0.5),
-    (0.9, 2e-4, 0.5),
-    (0.9, -2e-4, 1),
-)
-
-
-def _ends(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
+def by_differences(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
     """The arc by differences of sines and cosines, as everybody writes it first."""
-    if abs(omega) < 1e-8:
-        return arc(pose, v, omega, dt)
-    return _by_differences(pose, v, omega, dt)
-
-
-def _by_differences(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
-    psi = pose[2] + omega * dt
+    x, y, old = pose
+    psi = old + omega * dt
     with np.errstate(all="ignore"):
         radius = np.float64(v) / omega
-        dx = radius * (np.sin(psi) - np.sin(pose[2]))
-        dy = -radius * (np.cos(psi) - np.cos(pose[2]))
-    return np.array([pose[0] + dx, pose[1] + dy, psi])
+        dx, dy = radius * (np.sin(psi) - np.sin(old)), radius * (np.cos(old) - np.cos(psi))
+    return np.array([x + dx, y + dy, psi])
 
 
-def _as_printed(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
-    psi = pose[2] + omega * dt
-    if abs(omega) < 1e-8:
-        return arc(pose, v, omega, dt)
-    dx = v / omega * (np.cos(psi) - np.cos(pose[2]))
-    dy = -v / omega * (np.sin(psi) - np.sin(pose[2]))
-    return np.array([pose[0] + dx, pose[1] + dy, psi])
+def advanced_by(method: str) -> Callable[..., NDArray]:
+    """A step by one of the library's methods, shape (3,) [m, m, rad]."""
+    return lambda pose, v, omega, dt: odometry.advance(pose, v * dt, omega * dt, method)
 
 
-def _mirrored(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
-    end = arc(pose, v, omega, dt)
-    return np.array([end[0], 2 * pose[1] - end[1], end[2]])
-
-
-def _zero_only(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
-    return arc(pose, v, omega, dt) if omega == 0 else _by_differences(pose, v, omega, dt)
-
-
-def _no_absolute(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
-    if omega < 0.001:
-        return _straight(pose, v, omega, dt, 0.5)
-    return arc(pose, v, omega, dt)
-
-
-def _straight(pose: NDArray, v: float, omega: float, dt: float, share: float) -> NDArray:
-    heading = pose[2] + share * omega * dt
-    way = v * dt * np.array([np.cos(heading), np.sin(heading)])
-    return np.array([*(pose[:2] + way), pose[2] + omega * dt])
-
-
-def _sinc_without_pi(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
-    return _straight(pose, v * np.sinc(omega * dt / 2), omega, dt, 0.5)
-
-
-def _wrapped(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
-    end = arc(pose, v, omega, dt)
-    return np.array([end[0], end[1], (end[2] + np.pi) % (2 * np.pi) - np.pi])
+def _move_times(*factors: float) -> Callable[..., NDArray]:
+    return lambda pose, *given: pose + factors * (arc(pose, *given) - pose)
 
 
 ARC = Exercise(
     number="6.5",
     title="Repair (4.3)",
     reference=arc,
+    oracle="exponential_of_the_twist",
     cases=_turns,
     mistakes={
-        "that is (4.3) as printed: integrate cos psi over psi, and you get its sine": _as_printed,
+        "that is (4.3) as printed: integrate cos psi over psi, and you get its sine": (
+            lambda pose, v, omega, dt: (arc if abs(omega) < 1e-8 else printed.step_43)(
+                pose, v, omega, dt
+            )
+        ),
         "a turn to the left goes to the right: the integral of the sine is minus the cosine": (
-            _mirrored
+            _move_times(1, -1, 1)
         ),
         "it divides by omega = 0: straight ahead needs its own branch, or the sinc form": (
-            _by_differences
+            by_differences
         ),
         "right for omega = 0, but at 1e-12 the difference of two sines is only rounding error": (
-            _zero_only
+            lambda pose, v, omega, dt: (by_differences if omega else arc)(pose, v, omega, dt)
         ),
         "right turns take the straight branch: omega < 0.001 needs an absolute value": (
-            _no_absolute
+            lambda pose, v, omega, dt: (advanced_by("midpoint") if omega < 0.001 else arc)(
+                pose, v, omega, dt
+            )
         ),
         "that is (4.1) corrected, Euler: a straight line along the old heading": (
-            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 0.0)
+            advanced_by("euler")
         ),
-        "that is (4.1) as printed: a straight line along the new heading": (
-            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 1.0)
-        ),
+        "that is (4.1) as printed: a straight line along the new heading": printed.step_41,
         "that is (4.2) corrected: the right direction, but the chord is shorter than the arc": (
-            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 0.5)
+            advanced_by("midpoint")
         ),
-        "(4.2) as printed, beyond the end: the middle is psi_{k-1} + omega T / 2": (
-            lambda pose, v, omega, dt: _straight(pose, v, omega, dt, 1.5)
+        "(4.2) as printed, beyond the end: the middle is psi_{k-1} + omega T / 2": printed.step_42,
+        "np.sinc(z) is sin(pi z) / (pi z): give it h / pi": (
+            lambda pose, v, omega, dt: advanced_by("midpoint")(
+                pose, v * np.sinc(omega * dt / 2), omega, dt
+            )
         ),
-        "np.sinc(z) is sin(pi z) / (pi z): give it h / pi": _sinc_without_pi,
         "that is how far it moved: add it to the pose": (
-            lambda pose, v, omega, dt: arc(pose, v, omega, dt) - pose
+            lambda pose, *given: arc(pose, *given) - pose
         ),
-        "the place is right, but the heading did not turn": (
-            lambda pose, v, omega, dt: np.array([*arc(pose, v, omega, dt)[:2], pose[2]])
+        "the place is right, but the heading did not turn": _move_times(1, 1, 0),
+        "the heading is wrapped: let it count on through full turns": (
+            lambda *given: np.append(arc(*given)[:2], wrap(arc(*given)[2]))
         ),
-        "the heading is wrapped: let it count on through full turns": _wrapped,
     },
     hints=(
         "Integrate v cos(psi_0 + omega t) over the step; then look at omega -> 0.",

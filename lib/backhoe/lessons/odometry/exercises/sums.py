@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise
+from backhoe.localisation.odometry import bilinear_sum, euler_sum, order
 
 
-def way(t: NDArray, v: NDArray) -> NDArray:
-    """Trapezoids (4): positions at the instants t [s], from zero, for speeds v, shape (n,) [m]."""
-    areas = (v[1:] + v[:-1]) / 2 * np.diff(t)
-    return np.concatenate([[0.0], np.cumsum(areas)])
-
-
-def _logs(rng: np.random.Generator) -> list[tuple]:
+def _logs(rng: np.random.Generator) -> list[tuple[NDArray, NDArray]]:
     logs = []
     for _ in range(12):
         t = rng.uniform(0, 5) + np.cumsum(rng.uniform(0.02, 0.3, int(rng.integers(8, 60))))
@@ -22,42 +19,35 @@ def _logs(rng: np.random.Generator) -> list[tuple]:
     return logs
 
 
-def _rectangles(t: NDArray, heights: NDArray) -> NDArray:
-    return np.concatenate([[0.0], np.cumsum(heights * np.diff(t))])
-
-
-def _stopped_at_first(t: NDArray, v: NDArray) -> NDArray:
-    return way(t, np.concatenate([[0.0], v[1:]]))
-
-
 WAY = Exercise(
     number="6.1",
     title="The way from samples",
-    reference=way,
+    reference=bilinear_sum,
+    oracle="area_under_straight_lines",
     cases=_logs,
     mistakes={
-        "that is Euler's (2), rectangles as high as the newer sample: take trapezoids": (
-            lambda t, v: _rectangles(t, v[1:])
-        ),
+        "that is Euler's (2), rectangles as high as the newer sample: take trapezoids": euler_sum,
         "these are rectangles as high as the older sample: take trapezoids": (
-            lambda t, v: _rectangles(t, v[:-1])
+            lambda t, v: euler_sum(t, np.append(0.0, v[:-1]))
         ),
         "the steps are not equal: each pair of samples has its own delta_k = t_k - t_{k-1}": (
-            lambda t, v: way(np.linspace(t[0], t[-1], len(t)), v)
+            lambda t, v: bilinear_sum(np.linspace(t[0], t[-1], len(t)), v)
         ),
         "twice too far: the height of a trapezoid is the mean of its two sides": (
-            lambda t, v: 2 * way(t, v)
+            lambda t, v: 2 * bilinear_sum(t, v)
         ),
         "a sum of speeds is no way: every sample counts for its time step": (
-            lambda t, v: way(np.arange(len(t)), v)
+            lambda t, v: bilinear_sum(np.arange(len(t)), v)
         ),
         "the first trapezoid starts at zero speed: v[0] was measured, so use it": (
-            _stopped_at_first
+            lambda t, v: bilinear_sum(t, np.append(0.0, v[1:]))
         ),
         "n instants have n positions: the first of them, 0 at t[0], is missing": (
-            lambda t, v: way(t, v)[1:]
+            lambda t, v: bilinear_sum(t, v)[1:]
         ),
-        "that is the position at the end: return it at every instant": lambda t, v: way(t, v)[-1],
+        "that is the position at the end: return it at every instant": (
+            lambda t, v: bilinear_sum(t, v)[-1]
+        ),
     },
     hints=(
         "np.diff(t) are the lengths of the steps; (v[1:] + v[:-1]) / 2 the mean heights.",
@@ -67,13 +57,7 @@ WAY = Exercise(
 )
 
 
-def order(steps: NDArray, errors: NDArray) -> float:
-    """Slope of log error over log step, by least squares [1]."""
-    x, y = np.log(steps), np.log(errors)
-    return _fit(x, y)
-
-
-def _families(rng: np.random.Generator) -> list[tuple]:
+def _families(rng: np.random.Generator) -> list[tuple[NDArray, NDArray]]:
     families = []
     for _ in range(20):
         steps = rng.uniform(0.5, 2.0) / 2.0 ** np.arange(6)
@@ -82,35 +66,33 @@ def _families(rng: np.random.Generator) -> list[tuple]:
     return families
 
 
-def _fit(x: NDArray, y: NDArray, place: int = 0) -> float:
-    finite = np.isfinite(x).all() and np.isfinite(y).all()
-    return float(np.polyfit(x, y, 1)[place]) if finite else np.nan
+def _line(x: Callable = np.log, y: Callable = np.log, place: int = 0) -> Callable:
+    return lambda steps, errors: np.polyfit(x(steps), y(errors), 1)[place]
 
 
 ORDER = Exercise(
     number="6.2",
     title="The order of a rule",
     reference=order,
+    oracle="nothing_left_that_follows_the_step",
     cases=_families,
     mistakes={
         "negative: take the logarithm of the step's length, not of how many there are": (
             lambda steps, errors: -order(steps, errors)
         ),
         "upside down: how does the error follow the step, not the step the error?": (
-            lambda steps, errors: _fit(np.log(errors), np.log(steps))
+            lambda steps, errors: order(errors, steps)
         ),
         "that is the slope of the curve itself: take logarithms of both axes first": (
-            lambda steps, errors: _fit(steps, errors)
+            _line(np.asarray, np.asarray)
         ),
         "a power is straight only when both axes are logarithmic: the steps are not": (
-            lambda steps, errors: _fit(steps, np.log(errors))
+            _line(np.asarray)
         ),
         "that is where the line cuts the axis: the order is its slope, polyfit's first number": (
-            lambda steps, errors: _fit(np.log(steps), np.log(errors), 1)
+            _line(place=1)
         ),
-        "two different logarithms: take the same one for steps and for errors": (
-            lambda steps, errors: _fit(np.log10(steps), np.log(errors))
-        ),
+        "two different logarithms: take the same one for steps and for errors": _line(np.log10),
         "only the first and the last point are used: fit the line through all of them": (
             lambda steps, errors: order(steps[[0, -1]], errors[[0, -1]])
         ),

@@ -15,8 +15,6 @@ from backhoe.lessons.kinematics import printed
 from backhoe.lessons.kinematics.exercises.posture import OFFSETS
 from backhoe.machine import BACKHOE, replace
 
-_elbow_down = partial(inverse_kinematics, elbow="down")
-
 
 def _target_cases(rng: np.random.Generator) -> list[tuple[NDArray]]:
     postures = rng.uniform(BACKHOE.lower, BACKHOE.upper, (100, 4))
@@ -34,6 +32,13 @@ def _plus(*change: float) -> Callable[[NDArray], NDArray]:
     return lambda target: inverse_kinematics(target) + change
 
 
+def _gamma_added(target: NDArray, bend: float = 1.0) -> NDArray:
+    swing, boom, stick, bucket = inverse_kinematics(target)
+    L2, L3, turn = BACKHOE.boom.length, BACKHOE.stick.length, stick + OFFSETS[1]
+    gamma = np.arctan2(-L3 * np.sin(turn), L2 + L3 * np.cos(turn))
+    return np.array([swing, boom - 2 * gamma, bend * turn - OFFSETS[1], bucket])
+
+
 def _swing_by(angle: Callable[[float, float], float]) -> Callable[[NDArray], NDArray]:
     def solution(target: NDArray) -> NDArray:
         swing = angle(target[1], target[0] - BACKHOE.base.offset) - np.pi / 2
@@ -49,7 +54,9 @@ INVERSE = Exercise(
     oracle="back_at_the_target_elbow_up",
     cases=_target_cases,
     mistakes={
-        "that is elbow down, outside the limits: take the other sign of the bend": _elbow_down,
+        "that is elbow down, outside the limits: take the other sign of the bend": (
+            partial(_gamma_added, bend=-1.0)
+        ),
         "right but for whole turns of the swing: bring it into -pi..pi": _swing_by(np.arctan2),
         "np.arctan cannot tell front from back: use np.arctan2 for the swing": (
             _swing_by(lambda y, x: np.arctan(y / x))
@@ -64,9 +71,7 @@ INVERSE = Exercise(
         ),
         "the boom's joint is L0 + L1 above the ground: L0 is missing": _without(base="height"),
         "the boom's joint is L0 + L1 above the ground: L1 is missing": _without(swing="height"),
-        "with the elbow up the boom points above d: the sign of gamma is wrong": (
-            lambda q: np.where((0, 1, 0, 0), _elbow_down(q), inverse_kinematics(q))
-        ),
+        "with the elbow up the boom points above d: the sign of gamma is wrong": _gamma_added,
         "these are q2* and q3*: take the offsets off to get q": _plus(0, *OFFSETS[:2], 0),
     },
     hints=(

@@ -67,7 +67,7 @@ def test_any_number_can_be_changed_alone(path):
 @pytest.mark.parametrize("value", [np.nan, np.inf, "heavy", None, True])
 def test_a_number_that_is_none_is_refused(path, value):
     owner = path.split(".")
-    with pytest.raises(ValueError, match=rf"\.{owner[-1]} must be a finite number, got"):
+    with pytest.raises(ValueError, match=rf"\.{owner[-1]} must be one (finite )?number.*, got"):
         with_value(path, value)
 
 
@@ -84,7 +84,7 @@ def test_a_number_that_is_none_is_refused(path, value):
 @pytest.mark.parametrize("value", [0.0, -1.0])
 def test_what_must_be_positive_is_refused_otherwise(path, value):
     name = path.rpartition(".")[2]
-    with pytest.raises(ValueError, match=rf"\.{name} must be positive, got {value}"):
+    with pytest.raises(ValueError, match=rf"\.{name} must be one number above 0, got {value}"):
         with_value(path, value)
 
 
@@ -95,15 +95,15 @@ def test_limits_the_wrong_way_round_are_refused():
 
 @pytest.mark.parametrize("name", ["viscous", "coulomb"])
 def test_negative_friction_is_refused(name):
-    with pytest.raises(ValueError, match="friction must not be negative"):
+    with pytest.raises(ValueError, match=rf"Joint\.{name} must be one number at least 0, got -1.0"):
         with_value(f"boom.joint.{name}", -1.0)
 
 
 @pytest.mark.parametrize(
     ("profile", "message"),
     [
-        (((0.0, 0.0), (1.0, 0.0)), r"at least 3 \(x, y\) points, got shape \(2, 2\)"),
-        (((0.0, 0.0, 0.0),) * 3, r"got shape \(3, 3\)"),
+        (((0.0, 0.0), (1.0, 0.0)), "must enclose an area"),
+        (((0.0, 0.0, 0.0),) * 3, r"must be \(x, y\) points .*, got shape \(3, 3\)"),
         (((0.0, 0.0), (1.0, np.nan), (1.0, 1.0)), "must be finite"),
         (((0.0, 0.0), (1.0, 0.0), (2.0, 0.0)), "must enclose an area"),
     ],
@@ -129,7 +129,7 @@ def test_struck_capacity_is_the_area_inside_the_profile_times_the_width():
 
 def test_limits_come_in_the_order_of_the_joints():
     for index, name in enumerate(JOINTS):
-        joint = BACKHOE.joint(name)
+        joint = getattr(BACKHOE, name).joint
         assert joint is BACKHOE.joints[index]
         assert BACKHOE.lower[index] == joint.lower
         assert BACKHOE.upper[index] == joint.upper
@@ -137,12 +137,6 @@ def test_limits_come_in_the_order_of_the_joints():
         assert BACKHOE.torque_limit[index] == joint.torque
         assert BACKHOE.viscous[index] == joint.viscous
         assert BACKHOE.coulomb[index] == joint.coulomb
-
-
-@pytest.mark.parametrize("name", ["arm", "", None, 2])
-def test_unknown_joint_is_refused_with_the_list(name):
-    with pytest.raises(ValueError, match="the joints are swing, boom, stick, bucket"):
-        BACKHOE.joint(name)
 
 
 def test_torque_limits_hold_the_arm_with_a_full_bucket_in_every_posture():
@@ -191,10 +185,13 @@ def test_a_profile_of_any_sequence_makes_the_same_machine(make):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda: replace(BACKHOE, stick=2.5), "Machine.stick must be a Link, got 2.5"),
+        (
+            lambda: replace(BACKHOE, stick=2.5),
+            "Machine.stick must be a Link, got float: change one with",
+        ),
         (lambda: replace(BACKHOE, swing=BACKHOE.boom), "Machine.swing must be a Swing"),
-        (lambda: replace(BACKHOE, shell=None), "Machine.shell must be a Shell, got None"),
-        (lambda: replace(BACKHOE.boom, joint=0.3), "Link.joint must be a Joint, got 0.3"),
+        (lambda: replace(BACKHOE, shell=None), "Machine.shell must be a Shell, got NoneType"),
+        (lambda: replace(BACKHOE.boom, joint=0.3), "Link.joint must be a Joint, got float"),
     ],
 )
 def test_a_part_of_another_type_is_refused(change, message):
@@ -203,7 +200,7 @@ def test_a_part_of_another_type_is_refused(change, message):
 
 
 def test_a_number_beyond_all_floats_is_refused():
-    with pytest.raises(ValueError, match=r"Link\.mass must be a finite number"):
+    with pytest.raises(ValueError, match=r"Link\.mass must be one number above 0"):
         replace(BACKHOE.stick, mass=10**400)
 
 

@@ -317,11 +317,6 @@ def test_a_machine_that_runs_away_is_stopped_with_the_reason(world):
             world.step(5e6 * world.dq + np.array([1e3, 0, 0, 0]) + dynamics.gravity_torque(world.q))
 
 
-def test_an_unknown_joint_is_refused():
-    with pytest.raises(ValueError, match="unknown joint 'elbow'"):
-        BACKHOE.joint("elbow")
-
-
 def test_without_pybullet_auto_says_one_line_and_goes_on(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "pybullet", None)
     monkeypatch.setattr(backends, "_announced", False)

@@ -8,42 +8,30 @@ stick hangs at q3 = 0 (lesson 02 shows why); what the thesis leaves out is our c
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import inf, isfinite, nan, pi, radians
-from numbers import Real
+from math import pi, radians
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import instance, not_negative, number, numbers, positive
 
 JOINTS = ("swing", "boom", "stick", "bucket")
 
 
-def _require(owner: object, positive: tuple[str, ...] = (), any_sign: tuple[str, ...] = ()) -> None:
+def _keep(owner: object, check: Callable[[float, str], float], *names: str) -> None:
     """Check numbers and keep them as floats, whatever type of number came."""
-    for name in positive + any_sign:
-        value, path = getattr(owner, name), f"{type(owner).__name__}.{name}"
-        try:
-            number = float(value) if isinstance(value, Real) else nan
-        except OverflowError:
-            number = inf
-        if isinstance(value, bool) or not isfinite(number):
-            raise ValueError(f"{path} must be a finite number, got {value!r}")
-        if name in positive and number <= 0:
-            raise ValueError(f"{path} must be positive, got {value!r}")
-        object.__setattr__(owner, name, number)
+    for name in names:
+        value = check(getattr(owner, name), f"{type(owner).__name__}.{name}")
+        object.__setattr__(owner, name, value)
 
 
 def _require_part(owner: object, kind: type, *names: str) -> None:
     for name in names:
-        value = getattr(owner, name)
-        if not isinstance(value, kind):
-            raise TypeError(
-                f"{type(owner).__name__}.{name} must be a {kind.__name__}, got {value!r}: "
-                f"change one with replace(machine.{name}, ...)"
-            )
+        advice = f"change one with replace(machine.{name}, ...)"
+        instance(getattr(owner, name), f"{type(owner).__name__}.{name}", kind, advice)
 
 
 @dataclass(frozen=True)
@@ -53,7 +41,8 @@ class Joint:
     Friction is `viscous` [N m s/rad] and `coulomb` [N m], the F_v and F_s of eq. (2.11).
 
     Raises:
-        ValueError: a value is not finite, a limit is not positive, or lower is not below upper.
+        ValueError: a value is not finite, speed or torque not positive, friction negative, or lower
+            not below upper.
     """
 
     lower: float
@@ -64,13 +53,13 @@ class Joint:
     coulomb: float
 
     def __post_init__(self) -> None:
-        _require(self, ("speed", "torque"), ("lower", "upper", "viscous", "coulomb"))
+        _keep(self, number, "lower", "upper")
+        _keep(self, positive, "speed", "torque")
+        _keep(self, not_negative, "viscous", "coulomb")
         if self.lower >= self.upper:
             raise ValueError(
                 f"Joint.lower must be below Joint.upper, got {self.lower!r} and {self.upper!r} rad"
             )
-        if min(self.viscous, self.coulomb) < 0:
-            raise ValueError("Joint friction must not be negative: it would drive the joint")
 
 
 @dataclass(frozen=True)
@@ -81,7 +70,7 @@ class Base:
     offset: float
 
     def __post_init__(self) -> None:
-        _require(self, any_sign=("height", "offset"))
+        _keep(self, number, "height", "offset")
 
 
 @dataclass(frozen=True)
@@ -107,11 +96,8 @@ class Swing:
     joint: Joint
 
     def __post_init__(self) -> None:
-        _require(
-            self,
-            ("mass", "inertia"),
-            ("height", "offset", "com_radius", "com_angle", "com_height"),
-        )
+        _keep(self, positive, "mass", "inertia")
+        _keep(self, number, "height", "offset", "com_radius", "com_angle", "com_height")
         _require_part(self, Joint, "joint")
 
 
@@ -137,7 +123,8 @@ class Link:
     joint: Joint
 
     def __post_init__(self) -> None:
-        _require(self, ("length", "mass", "inertia"), ("angle_offset", "com_radius", "com_angle"))
+        _keep(self, positive, "length", "mass", "inertia")
+        _keep(self, number, "angle_offset", "com_radius", "com_angle")
         _require_part(self, Joint, "joint")
 
 
@@ -169,7 +156,7 @@ class Tracks:
     max_traction: float
 
     def __post_init__(self) -> None:
-        _require(self, tuple(field.name for field in fields(self)))
+        _keep(self, positive, *(field.name for field in fields(self)))
 
     @property
     def yaw_inertia(self) -> float:
@@ -186,7 +173,7 @@ class Shell:
     mouth closes it. `width` and `plate` (thickness) in m.
 
     Raises:
-        ValueError: width or plate not positive, fewer than 3 points, or a profile without area.
+        ValueError: width or plate not positive, or a profile that is no points or without area.
     """
 
     width: float
@@ -194,14 +181,8 @@ class Shell:
     profile: tuple[tuple[float, float], ...]
 
     def __post_init__(self) -> None:
-        _require(self, ("width", "plate"))
-        points = real_array(self.profile, "Shell.profile must be (x, y) points")
-        if points.ndim != 2 or points.shape[0] < 3 or points.shape[1] != 2:
-            raise ValueError(
-                f"Shell.profile must be at least 3 (x, y) points, got shape {points.shape}"
-            )
-        if not np.isfinite(points).all():
-            raise ValueError("Shell.profile must be finite")
+        _keep(self, positive, "width", "plate")
+        points = numbers(self.profile, "Shell.profile", ("n", 2), meaning="(x, y) points [m]")
         object.__setattr__(self, "profile", tuple(map(tuple, points.tolist())))
         if self.section_area <= 0:
             raise ValueError("Shell.profile must enclose an area, teeth first, then the floor")
@@ -237,7 +218,7 @@ class Machine:
     gravity: float
 
     def __post_init__(self) -> None:
-        _require(self, any_sign=("gravity",))
+        _keep(self, number, "gravity")
         _require_part(self, Base, "base")
         _require_part(self, Swing, "swing")
         _require_part(self, Link, "boom", "stick", "bucket")
@@ -257,16 +238,6 @@ class Machine:
     def joints(self) -> tuple[Joint, Joint, Joint, Joint]:
         """The four joints in the order of `JOINTS`."""
         return (self.swing.joint, self.boom.joint, self.stick.joint, self.bucket.joint)
-
-    def joint(self, name: str) -> Joint:
-        """The joint called `name`.
-
-        Raises:
-            ValueError: there is no joint of that name.
-        """
-        if name not in JOINTS:
-            raise ValueError(f"unknown joint {name!r}: the joints are {', '.join(JOINTS)}")
-        return self.joints[JOINTS.index(name)]
 
     @cached_property
     def lower(self) -> NDArray:

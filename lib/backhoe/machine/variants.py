@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from math import isfinite
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from backhoe.basics.inputs import not_negative, numbers, positive
 from backhoe.machine import BACKHOE, Machine, replace
 
 
@@ -20,9 +19,8 @@ def loaded(load: float, machine: Machine = BACKHOE) -> Machine:
     Raises:
         ValueError: load is negative or not finite.
     """
-    if not (isfinite(load) and load >= 0):
-        raise ValueError(f"load must be a mass in kg, 0 or more, got {load!r}")
-    return replace(machine, bucket=replace(machine.bucket, mass=machine.bucket.mass + load))
+    mass = machine.bucket.mass + not_negative(load, "load", "kg")
+    return replace(machine, bucket=replace(machine.bucket, mass=mass))
 
 
 def reading(offsets_deg: ArrayLike, machine: Machine = BACKHOE) -> Machine:
@@ -36,9 +34,7 @@ def reading(offsets_deg: ArrayLike, machine: Machine = BACKHOE) -> Machine:
     Raises:
         ValueError: not four finite angles.
     """
-    offsets = np.asarray(offsets_deg, dtype=float)
-    if offsets.shape != (4,) or not np.isfinite(offsets).all():
-        raise ValueError(f"offsets_deg must be 4 finite angles in degrees, got {offsets_deg!r}")
+    offsets = numbers(offsets_deg, "offsets_deg", (4,), meaning="angles [deg]")
     stick, stick_com, bucket, bucket_com = np.radians(offsets).tolist()
     return replace(
         machine,
@@ -59,8 +55,7 @@ def scaled(factor: float, machine: Machine = BACKHOE) -> Machine:
     Raises:
         ValueError: factor is not positive and finite.
     """
-    if not (isfinite(factor) and factor > 0):
-        raise ValueError(f"factor must be positive, got {factor!r}")
+    factor = positive(factor, "factor")
     base, swing = machine.base, machine.swing
     links = {
         name: replace(

@@ -99,10 +99,16 @@ def test_gain_space_puts_the_borders_of_the_cells_between_their_centres():
     [
         (lambda: figures.certificates({}), "no certificate to draw"),
         (lambda: figures.margins({}), "no condition to draw"),
-        (lambda: figures.margins({"a": (1.0, 0.0)}), "need positive"),
-        (lambda: figures.margins({"a": (np.inf, 1.0)}), "must be finite"),
+        (
+            lambda: figures.margins({"a": (1.0, 0.0)}),
+            "a: what is needed must be one number above 0",
+        ),
+        (lambda: figures.margins({"a": (np.inf, 1.0)}), "a: what there is must be one finite"),
         (lambda: figures.gain_demands(Gains([1, 1, 1], [1] * 4, [1] * 4)), "4 gains"),
-        (lambda: figures.joint_lines([0, 1], np.ones((3, 4)), "x"), r"values must be \(n, 4\)"),
+        (
+            lambda: figures.joint_lines([0, 1], np.ones((3, 4)), "x"),
+            "a row of 4 joints for each time",
+        ),
         (lambda: figures.gain_space(*GRID, [np.ones((5, 4))], ["a"]), r"one \(4, 5\) array"),
         (lambda: figures.gain_space(*GRID, [np.ones((4, 5))], ["a", "b"]), "each of 2 titles"),
     ],

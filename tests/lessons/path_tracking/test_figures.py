@@ -109,14 +109,17 @@ def test_the_radar_shows_every_value_and_writes_the_worst_beside_its_axis():
 @pytest.mark.parametrize(
     "call, message",
     [
-        (lambda: figures.pose_errors((0, 0), WAYPOINT, NEXT), r"pose must be finite and of shape"),
+        (lambda: figures.pose_errors((0, 0), WAYPOINT, NEXT), r"pose must have shape \(3,\)"),
         (lambda: figures.pose_errors(POSE, (0, np.nan), NEXT), "waypoint must be finite"),
         (lambda: plots.from_above({}), "nothing to draw"),
-        (lambda: plots.from_above({"a": {"path": [1.0, 2.0]}}), r"path must be of shape \(n, 2\)"),
-        (lambda: figures.nearest([[0, 0]], [[0, 0], [1, 0]], [1, 2]), "distances must be finite"),
+        (lambda: plots.from_above({"a": {"path": [1.0, 2.0]}}), "path must be rows of x, y"),
+        (
+            lambda: figures.nearest([[0, 0]], [[0, 0], [1, 0]], [1, 2]),
+            r"distances must have shape \(1,\)",
+        ),
         (
             lambda: figures.pursuit(POSE, [[0, 0], [1, 0]], (0, 0), (1,), 0.0),
-            "target must be finite",
+            r"target must have shape \(2,\)",
         ),
         (lambda: figures.radar({}), "nothing to draw"),
         (

@@ -107,9 +107,12 @@ def test_figures_are_the_same_when_drawn_again_and_their_axes_have_units(draw):
     "call, match",
     [
         (lambda: figures.contacts({}, HUSKY), "at least one case"),
-        (lambda: figures.contacts({"a": (1, 0)}, HUSKY), "3 finite numbers"),
-        (lambda: figures.contacts({"a": (1, 0, np.nan)}, HUSKY), "3 finite numbers"),
-        (lambda: figures.contacts(TURN, HUSKY, {"left turn": (1, 2, 3)}), "2 finite numbers"),
+        (lambda: figures.contacts({"a": (1, 0)}, HUSKY), r"twist of .a. must have shape \(3,\)"),
+        (lambda: figures.contacts({"a": (1, 0, np.nan)}, HUSKY), r"twist of .a. must be finite"),
+        (
+            lambda: figures.contacts(TURN, HUSKY, {"left turn": (1, 2, 3)}),
+            r"speeds must have shape \(2,\)",
+        ),
         (lambda: figures.contacts(TURN, HUSKY, {"right turn": (1, 2)}), "no case called"),
         (lambda: plots.paths({"a": np.zeros((4, 2))}), r"shape \(n, 3\)"),
         (lambda: plots.paths({"a": np.zeros((4, 3))}, {"b": "truth"}), "no drive called"),

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers
+from backhoe.view.plots.paths import places
 from backhoe.view.plots.style import BLUE, COLOURS, DARK, GREY, KINDS, ORANGE, PALE, figure, styled
 
 __all__ = ["beliefs", "clouds", "consistency", "drives_with_ellipses", "tunnels"]
@@ -29,7 +30,7 @@ def beliefs(
     Raises:
         ValueError: no panel, another number of places in one, or of true places than of panels.
     """
-    drawn = {title: _vector(title, values) for title, values in panels.items()}
+    drawn = {title: numbers(values, title, ("n",)) for title, values in panels.items()}
     if not drawn or len({len(values) for values in drawn.values()}) > 1:
         raise ValueError("beliefs needs panels of one length: title -> probabilities (n,)")
     if there is not None and len(there) != len(drawn):
@@ -67,7 +68,7 @@ def tunnels(
     Raises:
         ValueError: no panel, or errors and deviations that do not fit the time.
     """
-    time = _vector("time", time)
+    time = numbers(time, "time", ("n",))
     if not panels:
         raise ValueError("tunnels needs a panel: ylabel -> {label: (errors, deviations)}")
     fig, axes = figure(6.8, 1.2 + 2.2 * len(panels), len(panels), squeeze=False, sharex=True)
@@ -110,7 +111,7 @@ def consistency(
     fig, ax = figure(6.8, 4.0)
     ax.axhspan(*band, color=PALE, zorder=0, label="95 % of an honest filter")
     for label, curve in values.items():
-        t, y = _vector(label, time[label]), _vector(label, curve)
+        t, y = numbers(time[label], label, ("n",)), numbers(curve, label, ("n",), finite=False)
         if len(t) != len(y):
             raise ValueError(f"{label!r} has {len(t)} times and {len(y)} values")
         ax.plot(t, y, label=label, **{"linewidth": 1.4, **KINDS.get(kinds.get(label, ""), {})})
@@ -138,13 +139,13 @@ def drives_with_ellipses(
     Raises:
         ValueError: shapes that do not fit, or a kind of no estimate.
     """
-    truth, kinds = _places("truth", truth), dict(kinds or {})
+    truth, kinds = places(truth, "truth"), dict(kinds or {})
     if lost := set(kinds) - set(estimates):
         raise ValueError(f"no estimate called {sorted(lost)}: there are {sorted(estimates)}")
     fig, ax = figure(6.8, 5.0)
     ax.plot(*truth.T, label="truth", **KINDS["truth"])
     for label, (poses, covariances) in estimates.items():
-        poses = _places(label, poses)
+        poses = places(poses, label)
         style = KINDS.get(kinds.get(label, ""), {})
         (line,) = ax.plot(*poses.T, label=label, **{"linewidth": 1.5, **style})
         if covariances is not None:
@@ -174,7 +175,7 @@ def clouds(
     Raises:
         ValueError: points that are not rows of two numbers or more.
     """
-    points = _places("points", points)
+    points = places(points, "points")
     fig, ax = figure(6.8, 4.6)
     ax.plot(*points.T, ".", color=GREY, ms=3, alpha=0.5, label=label)
     for place, (name, (mean, P)) in enumerate(ellipses.items()):
@@ -184,20 +185,6 @@ def clouds(
     ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal", title=title)
     fig.legend(loc="outside lower center", ncols=3)
     return fig
-
-
-def _vector(name: str, values: ArrayLike) -> NDArray:
-    values = real_array(values, f"{name} must be a row of numbers")
-    if values.ndim != 1 or not len(values):
-        raise ValueError(f"{name} must be of shape (n,), got {values.shape}")
-    return values
-
-
-def _places(name: str, values: ArrayLike) -> NDArray:
-    values = real_array(values, f"{name} must be rows of x, y")
-    if values.ndim != 2 or values.shape[1] < 2 or not len(values):
-        raise ValueError(f"{name} must be of shape (n, 2) or wider, got {values.shape}")
-    return values[:, :2]
 
 
 def _tunnel(

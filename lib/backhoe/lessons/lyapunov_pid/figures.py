@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import number, numbers, positive
 from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.view.plots.style import BLUE, COLOURS, DARK, GREEN, GREY, KINDS, RED, figure, styled
 
@@ -133,10 +133,7 @@ def margins(conditions: Mapping[str, tuple[float, float]]) -> Figure:
     if not conditions:
         raise ValueError("no condition to draw: give label -> (have, need)")
     for label, (have, need) in conditions.items():
-        if not (np.isfinite(have) and np.isfinite(need) and need > 0):
-            raise ValueError(
-                f"{label}: have and need must be finite, need positive: {have}, {need}"
-            )
+        number(have, f"{label}: what there is"), positive(need, f"{label}: what is needed")
     fig, ax = figure(6.8, 1.2 + 0.42 * len(conditions))
     for row, (have, need) in enumerate(reversed(conditions.values())):
         size = np.log10(np.clip(have / need, 10.0**-_DECADES, 10.0**_DECADES))
@@ -207,11 +204,10 @@ def joint_lines(
         settings: passed to `Axes.set`.
 
     Raises:
-        ValueError: values are not (n, 4).
+        ValueError: values are not finite numbers of shape (n, 4).
     """
-    values = real_array(values, "values must be numbers")
-    if values.shape != (len(np.atleast_1d(time)), len(JOINTS)):
-        raise ValueError(f"values must be (n, 4), one row for each time, got {values.shape}")
+    shape = len(np.atleast_1d(time)), len(JOINTS)
+    values = numbers(values, "values", shape, meaning="a row of 4 joints for each time")
     fig, ax = figure(6.8, 3.6)
     _shade(ax, phases)
     for name, curve in zip(JOINTS, values.T, strict=True):
@@ -248,7 +244,7 @@ def gain_space(
         ValueError: a panel whose shape is not (m, n), or titles that do not fit.
     """
     m, n = len(np.atleast_1d(stiffness)), len(np.atleast_1d(damping))
-    panels = [np.degrees(real_array(error, "errors must be numbers")) for error in errors]
+    panels = [np.degrees(numbers(error, "errors", finite=False)) for error in errors]
     if len(panels) != len(titles) or any(panel.shape != (m, n) for panel in panels):
         raise ValueError(f"errors must be one ({m}, {n}) array for each of {len(titles)} titles")
     fig, axes = figure(6.8, 3.6, columns=len(panels), squeeze=False, sharey=True)

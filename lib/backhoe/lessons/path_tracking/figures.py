@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
-from backhoe.view.plots.paths import points_of
+from backhoe.basics.inputs import numbers
+from backhoe.view.plots.paths import places
 from backhoe.view.plots.style import (
     BLUE,
     COLOURS,
@@ -46,9 +46,9 @@ def pose_errors(pose: ArrayLike, waypoint: ArrayLike, next_waypoint: ArrayLike) 
     Raises:
         ValueError: another shape, or values that are not finite.
     """
-    pose = _checked(pose, (3,), "pose")
-    waypoint = _checked(waypoint, (2,), "waypoint")
-    following = _checked(next_waypoint, (2,), "next_waypoint")
+    pose = numbers(pose, "pose", (3,))
+    waypoint = numbers(waypoint, "waypoint", (2,))
+    following = numbers(next_waypoint, "next_waypoint", (2,))
     fig, ax = figure(6.8, 4.0)
     place, theta = pose[:2], pose[2]
     ahead = _axes_of(theta)[0]
@@ -84,11 +84,11 @@ def nearest(actual: ArrayLike, path: ArrayLike, distances: ArrayLike) -> Figure:
     Raises:
         ValueError: another shape, or as many distances as there are points were not given.
     """
-    points = points_of(actual, "actual")
-    radii = _checked(distances, (len(points),), "distances")
+    points = places(actual, "actual")
+    radii = numbers(distances, "distances", (len(points),))
     fig, ax = figure(6.8, 3.2)
-    ax.plot(*points_of(path, "path").T, **KINDS["reference"], label="path")
-    ax.plot(*points_of(path, "path").T, "o", color=GREY, ms=5, label="way-points")
+    ax.plot(*places(path, "path").T, **KINDS["reference"], label="path")
+    ax.plot(*places(path, "path").T, "o", color=GREY, ms=5, label="way-points")
     circles = [Circle(point, radius) for point, radius in zip(points, radii, strict=True)]
     ax.add_collection(PatchCollection(circles, facecolor=BLUE, edgecolor=BLUE, alpha=0.16))
     ax.plot(*points.T, "-o", color=BLUE, ms=4, label="run")
@@ -113,10 +113,10 @@ def pursuit(
     Raises:
         ValueError: another shape, or values that are not finite.
     """
-    pose = _checked(pose, (3,), "pose")
-    foot, target = _checked(foot, (2,), "foot"), _checked(target, (2,), "target")
+    pose = numbers(pose, "pose", (3,))
+    foot, target = numbers(foot, "foot", (2,)), numbers(target, "target", (2,))
     fig, ax = figure(6.8, 3.8)
-    ax.plot(*points_of(path, "path").T, **KINDS["reference"], label="path")
+    ax.plot(*places(path, "path").T, **KINDS["reference"], label="path")
     ax.plot(*np.array([pose[:2], foot]).T, ":", color=GREY)
     ax.plot(*_arc(pose, target, curvature).T, color=BLUE, lw=2.4, label="arc")
     ahead = _axes_of(pose[2])[0]
@@ -189,13 +189,6 @@ def _spokes(ax: Axes, title: str, chart: Chart, labels: Mapping[str, str]) -> No
     ax.set_yticks([0.5, 1.0], ["", ""])
     ax.set(ylim=(0.0, 1.05), theta_offset=np.pi / 2)
     ax.set_title(title, weight="bold")
-
-
-def _checked(values: ArrayLike, shape: tuple[int, ...], name: str) -> NDArray:
-    array = real_array(values, f"{name} must be numbers")
-    if array.shape != shape or not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite and of shape {shape}, got {values!r}")
-    return array
 
 
 def _bearing(way: NDArray) -> float:

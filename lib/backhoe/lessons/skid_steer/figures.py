@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers
 from backhoe.view.plots.style import (
     BLUE,
     DARK,
@@ -57,7 +57,7 @@ def contacts(
             not two of them or belong to no case.
     """
     twists = {
-        title: _numbers(twist, 3, f"the twist of {title!r}") for title, twist in cases.items()
+        title: numbers(twist, f"the twist of {title!r}", (3,)) for title, twist in cases.items()
     }
     if not twists:
         raise ValueError("contacts needs at least one case: title -> (v_x, v_y, omega)")
@@ -108,13 +108,6 @@ def friction_laws(laws: Mapping[str, ArrayLike], speed: ArrayLike, reach: float)
     return fig
 
 
-def _numbers(values: ArrayLike, count: int, what: str) -> NDArray:
-    values = real_array(values, f"{what} must be {count} numbers")
-    if values.shape != (count,) or not np.isfinite(values).all():
-        raise ValueError(f"{what} must be {count} finite numbers, got {values!r}")
-    return values
-
-
 def _wheels(vehicle: Vehicle) -> NDArray:
     """Contact points: front left, front right, rear left, rear right, shape (4, 2) [m]."""
     c, front, rear = vehicle.half_track, vehicle.front, vehicle.rear
@@ -130,7 +123,7 @@ def _velocities(
     scale: float,
 ) -> None:
     v_x, v_y, omega = twist
-    sides = None if rolling is None else _numbers(rolling, 2, "the rolling speeds")
+    sides = None if rolling is None else numbers(rolling, "the rolling speeds", (2,))
     centre = np.array([-v_y, v_x]) / omega if omega else None
     for point in _wheels(vehicle):
         over_ground = np.array([v_x - omega * point[1], v_y + omega * point[0]])

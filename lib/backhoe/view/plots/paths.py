@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers
 from backhoe.view.plots.style import COLOURS, DARK, GREEN, KINDS, RED, figure, styled
 
 
@@ -44,11 +44,11 @@ def from_above(
         for label, points in lines.items():
             style = {"color": COLOURS[coloured.index(label) % 6]} if label in coloured else {}
             kind = "reference" if label == reference else (kinds or {}).get(label, "")
-            ax.plot(*points_of(points, label).T, label=label, **{**style, **KINDS.get(kind, {})})
+            ax.plot(*places(points, label).T, label=label, **{**style, **KINDS.get(kind, {})})
         for colour, (label, points) in zip(
             (RED, DARK, GREEN) * 3, (marks or {}).items(), strict=False
         ):
-            ax.plot(*points_of(points, label).T, "o", color=colour, ms=5, label=label, zorder=6)
+            ax.plot(*places(points, label).T, "o", color=colour, ms=5, label=label, zorder=6)
         ax.set(title=title, xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
         ax.margins(0.08)
     for ax in axes.flat[len(scenes) :]:
@@ -58,10 +58,11 @@ def from_above(
     return fig
 
 
-def points_of(points: ArrayLike, name: str) -> NDArray:
-    array = real_array(points, f"{name} must be numbers")
-    if array.ndim != 2 or array.shape[1] not in (2, 3):
-        raise ValueError(f"{name} must be of shape (n, 2) or (n, 3), got {array.shape}")
+def places(points: ArrayLike, name: str) -> NDArray:
+    """x, y of points or poses, shape (n, 2) [m]; ValueError if there are no such two columns."""
+    array = numbers(points, name, ("n", "m"), meaning="rows of x, y", finite=False)
+    if array.shape[1] < 2:
+        raise ValueError(f"{name} must be of shape (n, 2) or wider, got shape {array.shape}")
     return array[:, :2]
 
 
@@ -87,9 +88,7 @@ def paths(
         raise ValueError(f"no drive called {sorted(lost)}: there are {sorted(drives)}")
     fig, ax = figure(6.8, 5.0)
     for label, poses in drives.items():
-        poses = real_array(poses, f"the drive {label!r} must be poses x, y, heading")
-        if poses.ndim != 2 or poses.shape[1] != 3 or not len(poses):
-            raise ValueError(f"the drive {label!r} must be of shape (n, 3), got {poses.shape}")
+        poses = numbers(poses, f"the drive {label!r}", ("n", 3), meaning="poses x, y, heading")
         (line,) = ax.plot(*poses[:, :2].T, label=label, **KINDS.get(kinds.get(label, ""), {}))
         for index in np.linspace(0, len(poses) - 1, marks).astype(int):
             _arrowhead(ax, poses[index], line.get_color())

@@ -11,11 +11,11 @@ from base64 import b64encode
 from functools import cache
 from html import escape
 from importlib.resources import files
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
+from backhoe.basics.inputs import number
 from backhoe.view.replay.recording import Recording
 from backhoe.view.replay.recording_file import encode
 
@@ -59,9 +59,8 @@ class Replay:
         if not title.strip() or not alt.strip():
             raise ValueError("a replay needs a title and an alt text that says what happens in it")
         times = np.asarray(recording.times, dtype=float)
-        poster = float(times[0]) if poster is None else float(poster)
-        if not (isfinite(poster) and times[0] <= poster <= times[-1]):
-            raise ValueError(f"poster must lie from {times[0]} to {times[-1]} s, got {poster}")
+        poster = times[0] if poster is None else poster
+        poster = number(poster, "poster", "s", least=times[0], most=times[-1])
         self.recording, self.title, self.alt = recording, title.strip(), alt.strip()
         self._poster = int(np.argmin(np.abs(times - poster)))
         self._data = encode(recording)

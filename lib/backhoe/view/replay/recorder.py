@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, positive
 from backhoe.machine import BACKHOE, Machine
 from backhoe.view.replay import stage
 from backhoe.view.replay.page import Replay
@@ -29,9 +28,7 @@ class Recorder:
     """
 
     def __init__(self, world: object, rate: float = 30.0) -> None:
-        if not (isfinite(rate) and rate > 0):
-            raise ValueError(f"rate must be a positive number of frames a second, got {rate!r}")
-        self.world, self.rate = world, float(rate)
+        self.world, self.rate = world, positive(rate, "rate", "frames a second")
         self._rover = hasattr(world, "wheel_angles")
         self._times: list[float] = []
         self._q: list[np.ndarray] = []
@@ -113,10 +110,9 @@ class Recorder:
         return Replay(_seen_from(camera, recording), title=title, alt=alt, poster=poster)
 
     def _keep(self, time: float) -> None:
-        q = np.array(self.world.wheel_angles if self._rover else self.world.q, dtype=float)
-        pose = np.array(self.world.pose, dtype=float)
-        if not (np.isfinite(q).all() and np.isfinite(pose).all()):
-            raise ValueError(f"the simulation's state at {time} s is not finite: q = {q}")
+        q = self.world.wheel_angles if self._rover else self.world.q
+        q = np.array(numbers(q, f"the simulation's q at {time} s"))
+        pose = np.array(numbers(self.world.pose, f"the simulation's pose at {time} s"))
         ground = getattr(self.world, "ground", None)
         if ground is not None:
             self._keep_ground(ground)
@@ -182,19 +178,10 @@ def from_joints(
         ValueError: no frame, times that do not rise, shapes that do not agree, values that are not
             finite, or an empty title or alt.
     """
-    times, q = real_array(times, "times must be numbers"), real_array(q, "q must be numbers")
-    if q.shape != (times.size, 4):
-        raise ValueError(
-            f"q must have shape ({times.size}, 4), a row of swing, boom, stick, bucket for each "
-            f"time, got {q.shape}"
-        )
-    standing = np.zeros((times.size, 3))
-    poses = standing if poses is None else real_array(poses, "poses must be numbers")
-    if poses.shape != (times.size, 3):
-        raise ValueError(
-            f"poses must have shape ({times.size}, 3), a row of x, y, yaw for each time, "
-            f"got {poses.shape}"
-        )
+    times = numbers(times, "times", ("n",))
+    q = numbers(q, "q", (times.size, 4), meaning="swing, boom, stick, bucket for each time")
+    poses = np.zeros((times.size, 3)) if poses is None else poses
+    poses = numbers(poses, "poses", (times.size, 3), meaning="x, y, yaw for each time")
     scalars = () if bucket is None else (Scalar("bucket", bucket, "bucket", "m³"),)
     recording = _recording(times, q, poses, machine, scalars=scalars, lines=lines, labels=labels)
     return Replay(recording, title=title, alt=alt, poster=poster)
@@ -203,9 +190,7 @@ def from_joints(
 def _seen_from(camera: tuple[ArrayLike, ArrayLike] | None, recording: Recording) -> Recording:
     if camera is None:
         return recording
-    points = real_array(camera, "camera must be eye and target [m]")
-    if points.shape != (2, 3) or not np.isfinite(points).all():
-        raise ValueError(f"camera must be eye and target, (x, y, z) each, all finite, got {camera}")
+    points = numbers(camera, "camera", (2, 3), meaning="eye and target, (x, y, z) each [m]")
     return replace(recording, camera=(points[0], points[1]))
 
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.inputs import numbers, times
+
 HEIGHT_STEP = 3e-3  # m, what heights are rounded to
 MOTIONS = {"fixed": 0, "revolute": 1, "planar": 3, "free": 7}  # values a frame
 
@@ -78,17 +80,12 @@ class HeightField:
     ) -> None:
         self.name, self.node, self.bed, self.level = name, node, bed, float(level)
         self.cell, self.origin = float(cell), (float(origin[0]), float(origin[1]))
-        self.first = self._steps(heights, None)
+        self.first = self._steps(heights, ("ny", "nx"))
         self._last = self.first.copy()
         self.changes: list[tuple[NDArray, NDArray]] = []
 
-    def _steps(self, heights: ArrayLike, shape: tuple[int, ...] | None) -> NDArray:
-        heights = np.asarray(heights, dtype=float)
-        if heights.ndim != 2 or (shape is not None and heights.shape != shape):
-            expected = "(ny, nx)" if shape is None else str(shape)
-            raise ValueError(f"heights of {self.name!r} must be {expected}, got {heights.shape}")
-        if not np.isfinite(heights).all():
-            raise ValueError(f"heights of {self.name!r} must be finite [m]")
+    def _steps(self, heights: ArrayLike, shape: tuple) -> NDArray:
+        heights = numbers(heights, f"heights of {self.name!r}", shape)
         steps = np.rint(heights / HEIGHT_STEP)
         if np.abs(steps).max(initial=0) > 32767:
             most = round(32767 * HEIGHT_STEP)
@@ -162,13 +159,13 @@ class Recording:
     trail: str | None = None
 
     def __post_init__(self) -> None:
-        frames = len(_times(self.times))
+        frames = len(times(self.times, "times", least=1))
         names: set[str] = set()
         for node in self.nodes:
             _check_node(node, frames, names)
         scalars = {scalar.name for scalar in self.scalars}
         for scalar in self.scalars:
-            _samples(f"scalar {scalar.name!r}", scalar.values, (frames,))
+            numbers(scalar.values, f"scalar {scalar.name!r}", (frames,))
         for mesh in (mesh for node in self.nodes for mesh in node.meshes):
             if isinstance(mesh, Morph) and mesh.scalar not in scalars:
                 raise ValueError(f"a morph follows the unknown scalar {mesh.scalar!r}")
@@ -193,32 +190,6 @@ class Recording:
         return float(self.times[-1] - self.times[0])
 
 
-def _times(times: ArrayLike) -> NDArray:
-    times = np.asarray(times, dtype=float)
-    if times.ndim != 1 or not times.size:
-        raise ValueError(
-            f"a replay needs at least one frame: times must be (frames,), got {times.shape}"
-        )
-    if not np.isfinite(times).all():
-        raise ValueError("times must be finite [s]")
-    if (np.diff(times) <= 0).any():
-        frame = int(np.argmax(np.diff(times) <= 0)) + 1
-        raise ValueError(
-            f"times must rise: frame {frame} is at {times[frame]} s after {times[frame - 1]} s"
-        )
-    return times
-
-
-def _samples(what: str, values: ArrayLike | None, shape: tuple[int, ...]) -> NDArray:
-    values = np.asarray(np.nan if values is None else values, dtype=float)
-    if values.shape != shape:
-        raise ValueError(f"{what} must have shape {shape}, one row a frame, got {values.shape}")
-    if not np.isfinite(values).all():
-        frame = int(np.argwhere(~np.isfinite(values))[0, 0])
-        raise ValueError(f"{what} must be finite, but frame {frame} is not")
-    return values
-
-
 def _check_node(node: Node, frames: int, names: set[str]) -> None:
     if node.name in names:
         raise ValueError(f"two nodes are called {node.name!r}")
@@ -230,4 +201,4 @@ def _check_node(node: Node, frames: int, names: set[str]) -> None:
     columns = MOTIONS[node.motion]
     if columns:
         shape = (frames,) if columns == 1 else (frames, columns)
-        _samples(f"motion of {node.name!r}", node.values, shape)
+        numbers(node.values, f"motion of {node.name!r}", shape, meaning="a row for each frame")

@@ -16,6 +16,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.inputs import numbers
 from backhoe.view.replay.integer_codec import pack, unpack
 from backhoe.view.replay.recording import HEIGHT_STEP, HeightField, Mesh, Morph, Node, Recording
 
@@ -136,21 +137,17 @@ class _Writer:
 
 
 def _matrix(T: ArrayLike) -> list[float]:
-    T = np.asarray(T, dtype=float)
-    if T.shape != (4, 4) or not np.isfinite(T).all():
-        raise ValueError(f"a node's transform must be a finite (4, 4) matrix, got {T.shape}")
+    T = numbers(T, "a node's transform", (4, 4))
     return [round(float(x), 6) + 0.0 for x in T[:3].ravel()]
 
 
 def _mesh(mesh: Mesh | Morph, writer: _Writer) -> dict:
-    shape = np.asarray(mesh.shapes if isinstance(mesh, Morph) else mesh.vertices, dtype=float)
+    shape = numbers(mesh.shapes if isinstance(mesh, Morph) else mesh.vertices, "vertices")
     faces = np.asarray(mesh.faces)
     if shape.shape[-1:] != (3,) or faces.ndim != 2 or faces.shape[1] != 3:
         raise ValueError(
             f"a mesh needs vertices (n, 3) and faces (m, 3), got {shape.shape} and {faces.shape}"
         )
-    if not np.isfinite(shape).all():
-        raise ValueError("vertices of a mesh must be finite [m]")
     if faces.size and not 0 <= faces.min() <= faces.max() < shape.shape[-2]:
         raise ValueError(f"faces must index the {shape.shape[-2]} vertices of their mesh")
     header = {

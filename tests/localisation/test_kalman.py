@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from backhoe.localisation import kalman
+from backhoe.localisation.kalman import engine
 
 filterpy = pytest.importorskip("filterpy.kalman")
 
@@ -307,15 +308,16 @@ def test_f_may_write_into_its_argument():
 # ---- unscented
 
 
-def test_sigma_points_have_the_mean_and_the_covariance():
+def test_the_unscented_points_have_the_mean_and_the_covariance():
     rng = np.random.default_rng(5)
     x, A = rng.normal(size=4), rng.normal(size=(4, 4))
     for P in (A @ A.T, np.diag([1.0, 0.0, 2.0, 0.0])):
-        points, mean, weights = kalman.sigma_points(x, P, alpha=0.5)
-        assert points.shape == (9, 4)
-        np.testing.assert_allclose(mean @ points, x, atol=1e-13)
-        away = points - x
-        np.testing.assert_allclose((away.T * weights) @ away, P, atol=1e-12)
+        filter = kalman.UnscentedKalmanFilter(
+            lambda x, u, dt: x, None, np.zeros((4, 4)), None, x, P, alpha=0.5
+        )
+        filter.predict(None, 1.0)
+        np.testing.assert_allclose(filter.x, x, atol=1e-13)
+        np.testing.assert_allclose(filter.P, P, atol=1e-12)
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.5, 1.0])
@@ -405,15 +407,59 @@ def test_a_batch_takes_one_input_one_matrix_and_another_sensor_for_all():
         np.testing.assert_allclose(batch.P[i], alone.P, rtol=0, atol=1e-13)
 
 
-# ---- noise and transition of a continuous system
+def test_a_batch_without_derivatives_takes_differences_as_each_filter_alone():
+    u, z, _ = robot_data(3)
+    x0 = np.array([[0.0, 0.0, 0.0], [0.5, -0.2, 0.1]])
+    models = motion, None, to_mark, None, Q3, R2
+    batch = kalman.BatchExtendedKalmanFilter(*models, x0, 0.05 * np.eye(3), angles=(2,))
+    for i in range(2):
+        alone = kalman.ExtendedKalmanFilter(*models, x0[i], 0.05 * np.eye(3), angles=(2,))
+        alone.predict(u[i], DT)
+        alone.update(z[i])
+        if i == 0:
+            batch.predict(u[:2], DT)
+            batch.update(z[:2])
+        np.testing.assert_allclose(batch.x[i], alone.x, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(batch.P[i], alone.P, rtol=0, atol=1e-9)
 
 
-def test_van_loan_gives_the_noise_of_constant_acceleration():
-    A, G = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
-    found_F, found_Q = kalman.discrete_noise(A, G, [[0.5]], 0.2)
-    np.testing.assert_allclose(found_F, [[1, 0.2], [0, 1]], atol=1e-15)
-    expected = 0.5 * np.array([[0.2**3 / 3, 0.2**2 / 2], [0.2**2 / 2, 0.2]])
-    np.testing.assert_allclose(found_Q, expected, atol=1e-15)
+# ---- the compiled arithmetic
+
+
+@pytest.mark.parametrize(("n", "m"), [(1, 1), (3, 2), (6, 6), (2, 4)])
+def test_the_engine_is_the_equations(n, m):
+    rng, N = np.random.default_rng(n + 10 * m), 5
+    x, y, H = rng.normal(size=(N, n)), rng.normal(size=(N, m)), rng.normal(size=(N, m, n))
+    F, P, Q, R = (
+        A @ np.swapaxes(A, -1, -2) + 0.1 * np.eye(A.shape[-1])
+        for A in (rng.normal(size=(N, size, size)) for size in (n, n, n, m))
+    )
+    F = F + rng.normal(size=F.shape)
+    rows = [np.array(np.moveaxis(v, 0, -1), order="C") for v in (x, F, P, Q, y, H, R)]
+    P_prior, S = np.empty((n, n, N)), np.empty((m, m, N))
+    engine.propagate(rows[1], rows[2], rows[3], P_prior)
+    np.testing.assert_allclose(
+        np.moveaxis(P_prior, -1, 0), F @ P @ np.swapaxes(F, -1, -2) + Q, rtol=1e-12, atol=1e-12
+    )
+    x_new, P_new, K, nis = np.empty((n, N)), np.empty((n, n, N)), np.empty((n, m, N)), np.empty(N)
+    engine.correct(rows[0], rows[2], *rows[4:], x_new, P_new, S, K, nis)
+    for i in range(N):
+        expected = kalman.update(x[i], P[i], y[i] + H[i] @ x[i], H[i], R[i])
+        np.testing.assert_allclose(x_new[:, i], expected[0], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(P_new[..., i], expected[1], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(K[..., i], kalman.gain(P[i], H[i], R[i]), atol=1e-12)
+        assert nis[i] == pytest.approx(kalman.nis(y[i], H[i] @ P[i] @ H[i].T + R[i]), rel=1e-12)
+
+
+def test_the_engines_root_is_choleskys_and_a_zero_variance_has_a_zero_column():
+    A = np.random.default_rng(8).normal(size=(4, 4))
+    singular = np.diag([1.0, 0.0, 4.0, 0.0])
+    P = np.stack([A @ A.T, singular, -np.eye(4)], axis=-1)
+    L = np.zeros(P.shape)
+    engine.root(P, L)
+    np.testing.assert_allclose(L[..., 0], np.linalg.cholesky(P[..., 0]), atol=1e-12)
+    np.testing.assert_array_equal(L[..., 1], np.sqrt(singular))
+    assert np.isnan(L[..., 2].diagonal()).all()
 
 
 # ---- what no measurement shows
@@ -426,16 +472,15 @@ def test_position_needs_more_than_the_heading_and_a_landmark_needs_the_heading()
         Hs.append(to_mark_jacobian(x))
         Fs.append(motion_jacobian(x, u, DT))
         x = motion(x, u, DT)
-    blind = kalman.unobservable(np.array(Fs), np.array([[0.0, 0.0, 1.0]]))
+    yaw, Fs = np.tile([[[0.0, 0.0, 1.0]]], (20, 1, 1)), np.array(Fs[:-1])
+    blind = kalman.unobservable(Fs, yaw)
     assert blind.shape == (3, 2)
     np.testing.assert_allclose(blind[2], 0, atol=1e-12)
-    one_mark = kalman.unobservable(np.array(Fs), np.array(Hs))
+    one_mark = kalman.unobservable(Fs, Hs)
     assert one_mark.shape == (3, 1), "the world may turn about the landmark"
     about = np.array([MARK[1], -MARK[0], 1.0])
     np.testing.assert_allclose(np.cross(one_mark[:, 0], about), 0, atol=1e-9)
-    with_yaw = np.concatenate([Hs, np.tile([[[0.0, 0.0, 1.0]]], (20, 1, 1))], axis=1)
-    assert kalman.unobservable(np.array(Fs), with_yaw).shape == (3, 0)
-    assert kalman.observability_matrix(np.array(Fs), np.array(Hs)).shape == (40, 3)
+    assert kalman.unobservable(Fs, np.concatenate([Hs, yaw], axis=1)).shape == (3, 0)
 
 
 def test_along_a_blind_direction_the_variance_only_grows():

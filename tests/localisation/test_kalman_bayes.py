@@ -191,12 +191,15 @@ def test_each_particle_may_have_its_own_noise():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: swarm(1), "particles must be an integer of at least 2"),
-        (lambda: swarm(10, seed=None), "rng must be a numpy Generator or a seed"),
-        (lambda: swarm(10, threshold=2), "threshold must be from 0 to 1"),
+        (lambda: swarm(1), "particles must be one whole number at least 2"),
+        (lambda: swarm(10, seed=None), "rng must be a seed of 0 or more or a numpy Generator"),
+        (lambda: swarm(10, threshold=2), "threshold must be one number at least 0 and at most 1"),
         (lambda: swarm(10).update([np.nan]), "z must be finite"),
         (lambda: kalman.systematic_resample([0.5, 0.4], 0.1), "sum to 1"),
-        (lambda: kalman.systematic_resample([0.5, 0.5], 1.0), r"offset must be in \[0, 1\)"),
+        (
+            lambda: kalman.systematic_resample([0.5, 0.5], 1.0),
+            "offset must be one number at least 0 and below 1",
+        ),
         (
             lambda: kalman.ParticleFilter(
                 lambda x, u, dt: F @ x, None, Q, None, [0, 0], P0, particles=10, rng=0

@@ -1,4 +1,4 @@
-"""NEES, NIS and whiteness of filters that are right, and of filters that lie."""
+"""NEES and NIS of filters that are right, and of filters that lie."""
 
 import numpy as np
 import pytest
@@ -41,23 +41,18 @@ def test_nees_of_a_right_filter_is_in_its_band():
     assert average.mean() == pytest.approx(2.0, abs=0.15)
 
 
-def test_nis_of_a_right_filter_is_in_its_band_and_white():
+def test_nis_of_a_right_filter_is_in_its_band():
     _, _, y, S = RIGHT
     every = kalman.nis(y, S)
     assert kalman.share_inside(every.mean(axis=0), kalman.chi_square_band(1, RUNS)) > 0.9
     low, high = kalman.chi_square_band(1, RUNS * STEPS)
     assert low < every.mean() < high
-    white = kalman.whiteness(y, S, lags=20)
-    assert (np.abs(white.correlation) < white.bound).mean() >= 0.9
-    assert white.bound == pytest.approx(1.96 / np.sqrt(RUNS * STEPS))
 
 
 def test_a_filter_too_sure_of_itself_is_found_out():
-    errors, P, y, S = monte_carlo(trust=0.01)
+    errors, P, _, _ = monte_carlo(trust=0.01)
     _, high = kalman.chi_square_band(2, RUNS)
     assert (kalman.nees(errors, P).mean(axis=0)[50:] > high).all()
-    white = kalman.whiteness(y, S, lags=20)
-    assert (np.abs(white.correlation) > white.bound).mean() > 0.5
 
 
 def test_a_filter_too_modest_is_found_out():
@@ -109,15 +104,17 @@ def test_the_ellipse_holds_its_share():
         (lambda: kalman.nees([1, 2], np.eye(3)), r"errors and covariances must have shapes"),
         (lambda: kalman.nees([1, np.nan], np.eye(2)), "errors must be finite"),
         (lambda: kalman.nees([1, 2], np.diag([1, -1])), "covariances must be positive definite"),
-        (lambda: kalman.nees([1, 2], [[1, 0.5], [0, 1]]), "covariances must be finite and symm"),
+        (lambda: kalman.nees([1, 2], [[1, 0.5], [0, 1]]), "covariances must be symmetric"),
         (lambda: kalman.nis([1], [[0.0]]), "S must be positive definite"),
         (lambda: kalman.nees([1, 2], np.eye(2), angles=(2,)), "angles must be indices from 0 to 1"),
-        (lambda: kalman.chi_square_band(0), "dof must be a positive integer"),
-        (lambda: kalman.chi_square_band(3, 1.5), "runs must be a positive integer"),
-        (lambda: kalman.chi_square_band(3, 1, 95), "probability must be between 0 and 1"),
+        (lambda: kalman.chi_square_band(0), "dof must be one whole number at least 1"),
+        (lambda: kalman.chi_square_band(3, 1.5), "runs must be one whole number at least 1"),
+        (
+            lambda: kalman.chi_square_band(3, 1, 95),
+            "probability must be one number above 0 and below 1",
+        ),
         (lambda: kalman.share_inside([], (0, 1)), "at least one number"),
         (lambda: kalman.share_inside([1], (1, 0)), r"band must be \(low, high\)"),
-        (lambda: kalman.whiteness(np.ones((5, 1)), np.ones((5, 1, 1)), 5), "K above lags"),
         (lambda: kalman.ellipse([0, 0, 0], np.eye(2)), r"mean must have shape \(2,\)"),
     ],
 )

@@ -49,16 +49,16 @@ def batch(**changes):
 
 MAKING = [
     ({"P0": [[1, 0.5], [0.1, 1]]}, "P0 must be symmetric"),
-    ({"P0": np.diag([1, -1])}, "P0 must not have negative eigenvalues"),
+    ({"P0": np.diag([1, -1])}, "P0 must be positive semidefinite"),
     ({"P0": np.eye(3)}, r"P0 must be a covariance of shape \(2, 2\).*, got shape \(3, 3\)"),
     ({"P0": np.diag([1, np.nan])}, "P0 must be finite"),
     ({"P0": "large"}, "P0 must be numbers"),
-    ({"Q": np.diag([1, -1])}, "Q must not have negative eigenvalues"),
-    ({"R": [[0.0]]}, "R must be positive definite, its least eigenvalue is 0"),
+    ({"Q": np.diag([1, -1])}, "Q must be positive semidefinite"),
+    ({"R": [[0.0]]}, "R must be positive definite, its lowest eigenvalue is 0"),
     ({"R": np.eye(2)}, r"R must be a covariance of shape \(1, 1\), got shape \(2, 2\)"),
     ({"angles": (2,)}, "angles must be indices from 0 to 1"),
     ({"measurement_angles": (1,)}, "measurement_angles must be indices from 0 to 0"),
-    ({"time": np.nan}, "time must be finite"),
+    ({"time": np.nan}, r"time must be one finite number \[s\]"),
     ({"R": None}, "R, the covariance of its noise, must come"),
 ]
 
@@ -78,8 +78,8 @@ def test_a_filter_is_not_made_of_what_is_none(make, changes, message):
         (extended, {"F": np.eye(3)}, r"F must have shape \(2, 2\), got shape \(3, 3\)"),
         (extended, {"h": None, "H": [1.0, 0.0]}, r"H must have shape \(m, 2\), got shape \(2,\)"),
         (extended, {"h": None, "H": lambda x: H}, "h must come with an H that is a function"),
-        (unscented, {"alpha": 0.0}, r"alpha must be in \(0, 1\]"),
-        (unscented, {"kappa": -2.0}, "n \\+ kappa positive"),
+        (unscented, {"alpha": 0.0}, "alpha must be one number above 0 and at most 1"),
+        (unscented, {"kappa": -2.0}, "kappa must be one number above -2"),
         (batch, {"x0": [0.0, 0.0]}, r"x0 must be the states of N runs, shape \(N, n\)"),
         (batch, {"h": lambda x: x[0]}, r"h\(x\) must work over leading axes"),
     ],
@@ -90,14 +90,10 @@ def test_each_kind_names_its_own_arguments(make, changes, message):
 
 
 @pytest.mark.parametrize("make", [extended, unscented, batch])
-@pytest.mark.parametrize(
-    ("dt", "message"),
-    [(0.0, "dt must be positive"), (-0.1, "dt must be positive"), (np.nan, "dt must be positive"),
-     ("1 s", "dt must be a time in s"), ([0.1, 0.1], "dt must be one time")],
-)  # fmt: skip
-def test_time_goes_forwards(make, dt, message):
+@pytest.mark.parametrize("dt", [0.0, -0.1, np.nan, np.inf, "1 s", [0.1, 0.1]])
+def test_time_goes_forwards(make, dt):
     filter = make()
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=r"dt must be one number above 0 \[s\], got"):
         filter.predict(None, dt)
     assert filter.time == 0.0
 
@@ -126,13 +122,6 @@ def test_a_measurement_that_is_no_number_changes_nothing(make, value):
     assert filter.x is before[0] and filter.P is before[1]
 
 
-def test_a_batch_wants_its_derivative_given():
-    with pytest.raises(ValueError, match="F must be a function or an array"):
-        kalman.BatchExtendedKalmanFilter(
-            lambda x, u, dt: x, None, lambda x: x[..., :1], H, Q, R, np.zeros((2, 2)), P0
-        )
-
-
 def test_a_batch_says_which_run_it_is():
     filter = batch()
     with pytest.raises(ValueError, match="in run 1: z must be finite"):
@@ -153,7 +142,10 @@ def test_a_batch_says_which_run_it_is():
             lambda f: f.update([1.0], h=lambda x: x[:1], H=lambda x: H.T, R=R),
             r"H\(x\) must have shape \(1, 2\), got shape \(2, 1\)",
         ),
-        (lambda f: f.update([1.0], h=lambda x: np.eye(2), R=R), r"h\(x\) must have shape \(m,\)"),
+        (
+            lambda f: f.update([1.0], h=lambda x: np.eye(2), R=R),
+            r"h\(x\) must have shape \(m,\), got shape \(2, 2\)",
+        ),
         (lambda f: f.update([1.0], h=lambda x: [np.nan], H=H, R=R), r"h\(x\) must be finite"),
         (lambda f: f.update([1.0], angles=(1,)), "angles must be indices from 0 to 0"),
         (lambda f: setattr(f, "P", [[1, 2], [3, 4]]), "P must be symmetric"),
@@ -179,7 +171,7 @@ def test_an_update_names_what_is_wrong(call, message):
         ({"f": lambda x, u, dt: x + np.nan}, r"f\(x, u, dt\) must be finite"),
         ({"F": lambda x, u, dt: np.eye(3)}, r"F\(x, u, dt\) must have shape \(2, 2\)"),
         ({"F": lambda x, u, dt: np.nan * F}, r"F\(x, u, dt\) must be finite"),
-        ({"Q": lambda x, u, dt: np.diag([1, -1])}, r"Q\(x, u, dt\) must not have negative"),
+        ({"Q": lambda x, u, dt: np.diag([1, -1])}, r"Q\(x, u, dt\) must be positive semidefinite"),
         ({"Q": lambda x, u, dt: [[1, 1], [0, 1]]}, r"Q\(x, u, dt\) must be symmetric"),
         ({"Q": lambda x, u, dt: 1.0}, r"Q\(x, u, dt\) must have shape \(2, 2\)"),
     ],
@@ -194,7 +186,7 @@ def test_a_model_that_gives_nonsense_is_named(changes, message):
 def test_a_noise_that_turns_negative_later_is_named():
     filter = extended(Q=lambda x, u, dt: np.diag([u, 1.0]))
     filter.predict(1.0, 0.1)
-    with pytest.raises(ValueError, match=r"Q\(x, u, dt\) must not have negative"):
+    with pytest.raises(ValueError, match=r"Q\(x, u, dt\) must be positive semidefinite"):
         filter.predict(-50.0, 0.1)
 
 
@@ -236,34 +228,30 @@ def test_a_history_wants_one_prediction_at_a_time():
     filter.predict(None, 0.1)
     with pytest.raises(ValueError, match="got 2 predictions"):
         history.add()
-    with pytest.raises(ValueError, match="needs a filter that has F"):
+    with pytest.raises(
+        TypeError, match="a history's filter must be a ExtendedKalmanFilter, got Uns"
+    ):
         kalman.History(unscented())
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: kalman.rts_smoother(np.zeros((3, 2))), "P, x_prior, P_prior, F must be given"),
         (
-            lambda: kalman.rts_smoother(
-                np.zeros((3, 2)), np.ones((3, 2, 2)), np.zeros((3, 2)), *[np.ones((2, 2, 2))] * 2
-            ),
-            r"x_prior must have shape \(2, 2\), got shape \(3, 2\)",
+            lambda: kalman.transition([[1, 2]], 0.1),
+            r"A must have shape \(1, 1\), got shape \(1, 2\)",
+        ),
+        (lambda: kalman.transition(np.eye(2), 0.0), r"dt must be one number above 0 \[s\]"),
+        (
+            lambda: kalman.transition(np.eye(2), 0.1, order=0),
+            "order must be one whole number at least 1",
         ),
         (
-            lambda: kalman.rts_smoother(
-                np.zeros((3, 2)), np.ones((3, 2, 2)), np.zeros((2, 2)), *[np.zeros((2, 2, 2))] * 2
-            ),
-            "P_prior must be positive definite",
+            lambda: kalman.unobservable([np.eye(2)], np.ones((2, 1, 3))),
+            r"F must have shape \(1, 3, 3",
         ),
-        (lambda: kalman.transition([[1, 2]], 0.1), r"A must be square"),
-        (lambda: kalman.transition(np.eye(2), 0.0), "dt must be positive"),
-        (lambda: kalman.transition(np.eye(2), 0.1, order=0), "order must be an integer"),
-        (lambda: kalman.discrete_noise(np.eye(2), [[1.0]], [[1.0]], 0.1), r"G must have shape"),
-        (lambda: kalman.observability_matrix(np.eye(2), np.eye(3)), "F and H must have shapes"),
         (lambda: kalman.gain(np.eye(2), np.eye(3), np.eye(3)), "H has shape"),
-        (lambda: kalman.sigma_points([0, 0], np.diag([1, -1])), "P must not have negative"),
-        (lambda: kalman.numerical_jacobian(lambda x: x, [[1.0]]), "x must be one point"),
+        (lambda: kalman.numerical_jacobian(lambda x: x[0], [[1.0], [2.0]]), "function must return"),
         (lambda: kalman.residual([1, 2], [1, 1], (5,)), "angles must be indices from 0 to 1"),
         (
             lambda: kalman.least_squares(F, H, np.zeros((2, 2)), R, [[1.0]], X0, P0),

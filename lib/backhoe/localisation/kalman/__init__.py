@@ -3,12 +3,12 @@
 - `linear`, `extended`, `unscented`, `particle`: four filters with one interface, predict and update
 - `batch`: many extended filters at once
 - `bayes`: the Bayes filter over finitely many states
-- `equations`: gain, Joseph form, information form, numerical Jacobian
-- `discretise`: the discrete step of a continuous system
+- `equations`: gain, Joseph form, information form, discrete step, numerical Jacobian
 - `history`, `smoother`: hindsight
-- `consistency`: NEES, NIS, their bands, whiteness, ellipses
+- `consistency`: NEES, NIS, their bands, ellipses
 - `observability`: what no measurement shows
 - `least_squares`: the whole history in one system, to judge filters by
+- `engine`: the compiled arithmetic of one filter or many
 
 Source: Mastalli 2013, chapter 4.
 """
@@ -19,31 +19,29 @@ from backhoe.basics.angles import residual, wrap
 from backhoe.localisation.kalman.batch import BatchExtendedKalmanFilter
 from backhoe.localisation.kalman.bayes import DiscreteBayesFilter
 from backhoe.localisation.kalman.consistency import (
-    Whiteness,
     chi_square_band,
     ellipse,
     nees,
     nis,
     share_inside,
-    whiteness,
 )
-from backhoe.localisation.kalman.discretise import discrete_noise, transition
 from backhoe.localisation.kalman.equations import (
     gain,
     information_update,
     joseph,
     numerical_jacobian,
     short_form,
+    transition,
     update,
 )
 from backhoe.localisation.kalman.extended import ExtendedKalmanFilter
 from backhoe.localisation.kalman.history import History
 from backhoe.localisation.kalman.least_squares import least_squares
 from backhoe.localisation.kalman.linear import KalmanFilter
-from backhoe.localisation.kalman.observability import observability_matrix, unobservable
+from backhoe.localisation.kalman.observability import unobservable
 from backhoe.localisation.kalman.particle import ParticleFilter, systematic_resample
 from backhoe.localisation.kalman.smoother import Smoothed, rts_smoother
-from backhoe.localisation.kalman.unscented import UnscentedKalmanFilter, sigma_points
+from backhoe.localisation.kalman.unscented import UnscentedKalmanFilter
 
 __all__ = [
     "BatchExtendedKalmanFilter",
@@ -54,9 +52,7 @@ __all__ = [
     "ParticleFilter",
     "Smoothed",
     "UnscentedKalmanFilter",
-    "Whiteness",
     "chi_square_band",
-    "discrete_noise",
     "ellipse",
     "gain",
     "information_update",
@@ -65,16 +61,13 @@ __all__ = [
     "nees",
     "nis",
     "numerical_jacobian",
-    "observability_matrix",
     "residual",
     "rts_smoother",
     "share_inside",
     "short_form",
-    "sigma_points",
     "systematic_resample",
     "transition",
     "unobservable",
     "update",
-    "whiteness",
     "wrap",
 ]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.localisation.kalman.arguments import exactly, finite
+from backhoe.basics.inputs import numbers
 
 _ROUNDING = 1e-9
 
@@ -18,38 +18,38 @@ class DiscreteBayesFilter:
     """Probability of each of n states.
 
     Args:
-        belief: P(x_0), shape (n,), of sum 1.
+        belief: P(x_0), shape (n,), of sum 1 [1].
 
     Attributes:
-        belief: P(x_k | z_1:k), shape (n,).
+        belief: P(x_k | z_1:k), shape (n,) [1].
 
     Raises:
         ValueError: negative, or another sum.
     """
 
     def __init__(self, belief: ArrayLike) -> None:
-        self.belief = exactly(belief, "belief", "the probability of each state")
-        _distribution(self.belief, "belief")
+        meaning = "the probability of each state"
+        self.belief = distribution(numbers(belief, "belief", ("n",), meaning=meaning), "belief")
 
     def predict(self, transition: ArrayLike) -> None:
         """Belief after a move: the sum over x_k-1 of P(x_k | x_k-1) P(x_k-1 | z_1:k-1).
 
         Args:
-            transition: element [i, j] is P(x_k = i | x_k-1 = j), shape (n, n); columns of sum 1.
+            transition: element [i, j] is P(x_k = i | x_k-1 = j), shape (n, n) [1]; columns of
+                sum 1.
 
         Raises:
             ValueError: another shape, negative, or columns of another sum.
         """
         n = len(self.belief)
-        transition = finite(transition, (n, n), "transition")
-        _distribution(transition, "each column of transition")
-        self.belief = transition @ self.belief
+        transition = numbers(transition, "transition", (n, n))
+        self.belief = distribution(transition, "each column of transition") @ self.belief
 
     def update(self, likelihood: ArrayLike) -> float:
         """Belief after a measurement: P(z_k | x_k) P(x_k | z_1:k-1) / P(z_k | z_1:k-1).
 
         Args:
-            likelihood: P(z_k | x_k) of the z_k that came, for each state, shape (n,).
+            likelihood: P(z_k | x_k) of the z_k that came, for each state, shape (n,) [1].
 
         Returns:
             The evidence P(z_k | z_1:k-1).
@@ -57,7 +57,7 @@ class DiscreteBayesFilter:
         Raises:
             ValueError: another shape, negative, or impossible in every state that is believed in.
         """
-        likelihood = finite(likelihood, self.belief.shape, "likelihood")
+        likelihood = numbers(likelihood, "likelihood", self.belief.shape)
         if (likelihood < 0).any():
             raise ValueError(f"likelihood must not be negative, got {likelihood.tolist()}")
         joint = likelihood * self.belief
@@ -68,7 +68,9 @@ class DiscreteBayesFilter:
         return evidence
 
 
-def _distribution(p: NDArray, name: str) -> None:
+def distribution(p: NDArray, name: str) -> NDArray:
+    """A copy of p, shape (n,) or (n, columns) [1], if it is not negative and sums to 1."""
     total = p.sum(axis=0)
     if (p < 0).any() or np.abs(total - 1).max() > _ROUNDING:
         raise ValueError(f"{name} must not be negative and sum to 1, got sum {total.tolist()}")
+    return np.array(p)

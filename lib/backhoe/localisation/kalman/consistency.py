@@ -1,8 +1,8 @@
 """Does a filter know how wrong it is? Its errors measured in its own standard deviations.
 
-NEES needs the truth and so a simulation; NIS and whiteness need the measurements alone. For a
-consistent filter both are chi-square distributed, with the state's and the measurement's dimension
-as degrees of freedom.
+NEES needs the truth and so a simulation; NIS needs the measurements alone. For a consistent filter
+both are chi-square distributed, with the state's and the measurement's dimension as degrees of
+freedom.
 
 Reference: Bar-Shalom, Li and Kirubarajan 2001, section 5.4.
 """
@@ -10,35 +10,24 @@ Reference: Bar-Shalom, Li and Kirubarajan 2001, section 5.4.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.angles import indices, wrap_components
-from backhoe.basics.inputs import real_array
-from backhoe.localisation.kalman.arguments import covariance, finite
-from backhoe.localisation.kalman.arguments import probability as _probability
-
-
-class Whiteness(NamedTuple):
-    """lags (L,), correlation of the normalised innovations at them (L,), and its bound."""
-
-    lags: NDArray
-    correlation: NDArray
-    bound: float
+from backhoe.basics.angles import residual
+from backhoe.basics.inputs import covariance, number, numbers, real_numbers, whole
 
 
 def nees(errors: ArrayLike, covariances: ArrayLike, angles: Sequence[int] = ()) -> NDArray:
     """Normalised estimation error squared, e^T P^-1 e.
 
     Args:
-        errors: truth minus estimate, shape (..., n).
-        covariances: what the filter says of them, shape (..., n, n); leading axes as the errors'.
+        errors: truth minus estimate, shape (..., n) [own units].
+        covariances: what the filter says of them, shape (..., n, n) [products of those units].
         angles: components that are angles, wrapped first [rad].
 
     Returns:
-        Shape (...); n on average for a consistent filter.
+        Shape (...) [1]; n on average for a consistent filter.
 
     Raises:
         ValueError: shapes that do not fit, numbers that are not finite, or a covariance that is not
@@ -51,12 +40,12 @@ def nis(innovations: ArrayLike, S: ArrayLike, angles: Sequence[int] = ()) -> NDA
     """Normalised innovation squared, y^T S^-1 y.
 
     Args:
-        innovations: shape (..., m).
-        S: their covariance by the filter, shape (..., m, m).
+        innovations: shape (..., m) [own units].
+        S: their covariance by the filter, shape (..., m, m) [products of those units].
         angles: components that are angles, wrapped first [rad].
 
     Returns:
-        Shape (...); m on average for a consistent filter.
+        Shape (...) [1]; m on average for a consistent filter.
 
     Raises:
         ValueError: as for `nees`.
@@ -80,10 +69,8 @@ def chi_square_band(dof: int, runs: int = 1, probability: float = 0.95) -> tuple
     """
     from scipy.special import gammaincinv
 
-    for name, value in (("dof", dof), ("runs", runs)):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-            raise ValueError(f"{name} must be a positive integer, got {value!r}")
-    tail = (1 - _probability(probability)) / 2
+    dof, runs = whole(dof, "dof", least=1), whole(runs, "runs", least=1)
+    tail = (1 - _share(probability)) / 2
     low, high = 2 * gammaincinv(dof * runs / 2, [tail, 1 - tail]) / runs
     return float(low), float(high)
 
@@ -92,7 +79,7 @@ def share_inside(values: ArrayLike, band: tuple[float, float]) -> float:
     """Share of the values inside a band, its ends included.
 
     Args:
-        values: any shape, such as the average NEES of each instant.
+        values: any shape (...), such as the average NEES of each instant [own unit].
         band: low, high.
 
     Returns:
@@ -101,51 +88,21 @@ def share_inside(values: ArrayLike, band: tuple[float, float]) -> float:
     Raises:
         ValueError: no values, not finite, or the band is not in order.
     """
-    values = real_array(values, "values must be numbers")
+    values = numbers(values, "values")
     if values.size == 0:
         raise ValueError("values must hold at least one number, got none")
-    low, high = finite(band, (2,), "band")
+    low, high = numbers(band, "band", (2,))
     if not low < high:
         raise ValueError(f"band must be (low, high), got {band!r}")
-    values = finite(values, values.shape, "values")
     return float(np.mean((values >= low) & (values <= high)))
-
-
-def whiteness(innovations: ArrayLike, S: ArrayLike, lags: int = 20) -> Whiteness:
-    """Correlation in time of a filter's innovations, each divided by its standard deviation.
-
-    What a filter has understood leaves no pattern in its innovations: of these correlations about
-    95 % should be within the bound.
-
-    Args:
-        innovations: of K instants, shape (..., K, m), of one run or many.
-        S: their covariances, shape (..., K, m, m).
-        lags: how far apart in instants, 1 ... lags.
-
-    Returns:
-        Whiteness(lags (L,), correlation (L,), bound = 1.96 / sqrt(samples)).
-
-    Raises:
-        ValueError: shapes that do not fit, or fewer than lags + 1 instants.
-    """
-    y, S = _pair(innovations, S, "innovations", "S")
-    if y.ndim < 2 or not 1 <= lags < y.shape[-2]:
-        raise ValueError(
-            f"innovations must be (..., K, m) with K above lags, got shape {y.shape} and {lags}"
-        )
-    white = np.linalg.solve(_roots(S, "S"), y[..., None])[..., 0]
-    power = np.mean(white**2)
-    steps = np.arange(1, lags + 1)
-    correlation = [np.mean(white[..., k:, :] * white[..., :-k, :]) / power for k in steps]
-    return Whiteness(steps, np.array(correlation), float(1.96 / np.sqrt(white.size)))
 
 
 def ellipse(mean: ArrayLike, P: ArrayLike, probability: float = 0.95, points: int = 60) -> NDArray:
     """Outline of the region that holds a plane Gaussian with a probability.
 
     Args:
-        mean: centre, shape (2,).
-        P: covariance, shape (2, 2).
+        mean: centre, shape (2,) [own units].
+        P: covariance, shape (2, 2) [products of those units].
         probability: of being inside.
         points: on the outline, the last as the first.
 
@@ -155,41 +112,31 @@ def ellipse(mean: ArrayLike, P: ArrayLike, probability: float = 0.95, points: in
     Raises:
         ValueError: wrong shapes, P no covariance, probability not between 0 and 1.
     """
-    mean, P = finite(mean, (2,), "mean"), covariance(P, 2, "P")
-    radius = np.sqrt(-2 * np.log1p(-_probability(probability)))
+    mean, P = numbers(mean, "mean", (2,)), covariance(P, "P", 2)
+    radius = np.sqrt(-2 * np.log1p(-_share(probability)))
     variances, axes = np.linalg.eigh(P)
     turn = np.linspace(0, 2 * np.pi, points)
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     return mean + radius * (circle * np.sqrt(np.maximum(variances, 0))) @ axes.T
 
 
-def _squared(
-    errors: ArrayLike, covariances: ArrayLike, angles: Sequence[int], one: str, other: str
-) -> NDArray:
-    e, P = _pair(errors, covariances, one, other)
-    if len(angles):
-        e = e.copy()
-        wrap_components(e, indices("angles", angles, e.shape[-1]))
-    scaled = np.linalg.solve(_roots(P, other), e[..., None])[..., 0]
-    return np.sum(scaled**2, axis=-1)
-
-
-def _pair(e: ArrayLike, P: ArrayLike, one: str, other: str) -> tuple[NDArray, NDArray]:
-    e, P = real_array(e, f"{one} must be numbers"), real_array(P, f"{other} must be numbers")
+def _squared(e: ArrayLike, P: ArrayLike, angles: Sequence[int], one: str, other: str) -> NDArray:
+    e, P = numbers(e, one), real_numbers(P, other)
     if e.ndim < 1 or P.shape != (*e.shape, e.shape[-1]):
         raise ValueError(
             f"{one} and {other} must have shapes (..., n) and (..., n, n), got {e.shape} and "
             f"{P.shape}"
         )
-    return finite(e, e.shape, one), P
-
-
-def _roots(P: NDArray, name: str) -> NDArray:
-    transposed = np.swapaxes(P, -1, -2)
-    scale = np.abs(P).max(initial=0.0)
-    if not np.isfinite(P).all() or np.abs(P - transposed).max(initial=0.0) > 1e-9 * scale:
-        raise ValueError(f"{name} must be finite and symmetric")
+    asymmetry = np.abs(numbers(P, other) - np.swapaxes(P, -1, -2)).max(initial=0.0)
+    if asymmetry > 1e-9 * np.abs(P).max(initial=0.0):
+        raise ValueError(f"{other} must be symmetric")
     try:
-        return np.linalg.cholesky(P)
+        roots = np.linalg.cholesky(P)
     except np.linalg.LinAlgError as error:
-        raise ValueError(f"{name} must be positive definite, and one is not") from error
+        raise ValueError(f"{other} must be positive definite, and one is not") from error
+    scaled = np.linalg.solve(roots, residual(e, 0 * e, angles)[..., None])[..., 0]
+    return np.sum(scaled**2, axis=-1)
+
+
+def _share(probability: float) -> float:
+    return number(probability, "probability", above=0, below=1)

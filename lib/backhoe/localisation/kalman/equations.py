@@ -1,6 +1,6 @@
 """The update of a Kalman filter, equation by equation, in NumPy.
 
-Source: Mastalli 2013, eqs. (4.15)-(4.19). The filters compute the same in `kernels`; a test holds
+Source: Mastalli 2013, eqs. (4.15)-(4.21). The filters compute the same in `engine`; a test holds
 them together.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.angles import residual
-from backhoe.basics.inputs import numbers, real_array
+from backhoe.basics.inputs import numbers, positive, real_numbers, whole
 
 
 def gain(P: ArrayLike, H: ArrayLike, R: ArrayLike) -> NDArray:
@@ -21,12 +21,12 @@ def gain(P: ArrayLike, H: ArrayLike, R: ArrayLike) -> NDArray:
     Source: Mastalli 2013, eq. (4.17).
 
     Args:
-        P: covariance of the prediction, shape (..., n, n).
-        H: shape (..., m, n).
-        R: covariance of the measurement's noise, shape (..., m, m).
+        P: covariance of the prediction, shape (..., n, n) [products of x's own units].
+        H: shape (..., m, n) [z's units a unit of x].
+        R: covariance of the measurement's noise, shape (..., m, m) [products of z's own units].
 
     Returns:
-        K, shape (..., n, m).
+        K, shape (..., n, m) [x's units a unit of z].
 
     Raises:
         ValueError: not numbers, or shapes that do not fit.
@@ -43,9 +43,8 @@ def joseph(P: ArrayLike, K: ArrayLike, H: ArrayLike, R: ArrayLike) -> NDArray:
     Source: Mastalli 2013, eq. (4.19), second line.
 
     Args:
-        P: shape (..., n, n).
+        P, H, R: as for `gain`, shapes (..., n, n), (..., m, n), (..., m, m).
         K: any gain, shape (..., n, m).
-        H, R: shape (..., m, n), (..., m, m).
 
     Returns:
         Shape (..., n, n), symmetric.
@@ -61,18 +60,7 @@ def joseph(P: ArrayLike, K: ArrayLike, H: ArrayLike, R: ArrayLike) -> NDArray:
 def short_form(P: ArrayLike, K: ArrayLike, H: ArrayLike) -> NDArray:
     """(I - K H) P, which is the same only for the gain of (4.17).
 
-    Source: Mastalli 2013, eq. (4.19), last line.
-
-    Args:
-        P: shape (..., n, n).
-        K: shape (..., n, m).
-        H: shape (..., m, n).
-
-    Returns:
-        Shape (..., n, n).
-
-    Raises:
-        ValueError: not numbers, or shapes that do not fit.
+    Source: Mastalli 2013, eq. (4.19), last line. Arguments, result and errors as for `joseph`.
     """
     P, K, H = _matrices(P=P, K=K, H=H)
     return (np.eye(P.shape[-1]) - K @ H) @ P
@@ -87,9 +75,8 @@ def update(
 
     Args:
         x: prediction, shape (n,) [its own units].
-        P: its covariance, shape (n, n) [products of those units].
+        P, H, R: as for `gain`, shapes (n, n), (m, n), (m, m).
         z: measurement, shape (m,) [its own units].
-        H, R: shape (m, n), (m, m) [z's units a unit of x, products of z's units].
 
     Returns:
         x, shape (n,), and its covariance, shape (n, n).
@@ -108,27 +95,44 @@ def information_update(
 ) -> tuple[NDArray, NDArray]:
     """The state of greatest probability given prediction and measurement, by information.
 
-    Source: Mastalli 2013, eq. (4.15): (H^T R^-1 H + P^-1)^-1 (P^-1 x + H^T R^-1 z).
-
-    Args:
-        x: prediction, shape (n,).
-        P: its covariance, positive definite, shape (n, n).
-        z: measurement, shape (m,).
-        H, R: shape (m, n), (m, m).
-
-    Returns:
-        x, shape (n,), and its covariance (H^T R^-1 H + P^-1)^-1, shape (n, n).
-
-    Raises:
-        ValueError: not numbers, or shapes that do not fit.
-        numpy.linalg.LinAlgError: P or R is singular.
+    Source: Mastalli 2013, eq. (4.15): (H^T R^-1 H + P^-1)^-1 (P^-1 x + H^T R^-1 z). Arguments,
+    results and errors as for `update`; P and R must both have an inverse.
     """
     P, H, R = _matrices(P=P, H=H, R=R)
-    x, z = real_array(x, "x must be numbers"), real_array(z, "z must be numbers")
+    x, z = numbers(x, "x", P.shape[:1]), numbers(z, "z", R.shape[:1])
     weighted = H.T @ np.linalg.inv(R)
     known = np.linalg.inv(P)
     covariance = np.linalg.inv(weighted @ H + known)
     return covariance @ (known @ x + weighted @ z), covariance
+
+
+def transition(A: ArrayLike, dt: float, order: int | None = 1) -> NDArray:
+    """F = I + A dt + (A dt)^2 / 2 + ..., the step that belongs to the rate A.
+
+    Source: Mastalli 2013, eqs. (4.20) and (4.21), which take A itself for F.
+
+    Args:
+        A: df/dx of a rate f, shape (n, n) [units of x a unit of x and second].
+        dt: positive [s].
+        order: of the last term; None for the whole series, exp(A dt).
+
+    Returns:
+        Shape (n, n).
+
+    Raises:
+        ValueError: A is not square or not finite, dt not positive, order not 1 or more.
+    """
+    A, dt = numbers(A, "A", ("n", "n")), positive(dt, "dt", "s")
+    numbers(A, "A", 2 * A.shape[:1])
+    if order is None:
+        from scipy.linalg import expm
+
+        return expm(A * dt)
+    F = term = np.eye(len(A))
+    for k in range(1, whole(order, "order", least=1) + 1):
+        term = term @ A * (dt / k)
+        F = F + term
+    return F
 
 
 def numerical_jacobian(
@@ -137,32 +141,31 @@ def numerical_jacobian(
     """Derivative of function(x) by central differences, to about 1e-9 of its scale.
 
     Args:
-        function: takes shape (n,), returns shape (m,).
-        x: where, shape (n,).
-        angles: components of function(x) that are angles, which may jump by a turn.
+        function: takes shape (..., n), returns shape (..., m), each in its own units.
+        x: where, shape (..., n).
+        angles: components of function(x) that are angles, which may jump by a turn [rad].
 
     Returns:
-        Shape (m, n): row i is the gradient of component i.
+        Shape (..., m, n): row i is the gradient of component i.
 
     Raises:
         ValueError: x is not a vector of numbers, or function returns no vector.
     """
-    x = real_array(x, "x must be numbers")
-    if x.ndim != 1:
-        raise ValueError(f"x must be one point, shape (n,), got shape {x.shape}")
+    x = numbers(x, "x", (..., "n"))
     columns = []
-    for i, step in enumerate(6e-6 * np.maximum(1.0, np.abs(x))):
-        ahead, behind = x.copy(), x.copy()
-        ahead[i], behind[i] = x[i] + step, x[i] - step
+    for i in range(x.shape[-1]):
+        step = np.zeros_like(x)
+        step[..., i] = 6e-6 * np.maximum(1.0, np.abs(x[..., i]))
+        ahead, behind = x + step, x - step
         rise = residual(np.atleast_1d(function(ahead)), np.atleast_1d(function(behind)), angles)
-        if rise.ndim != 1:
-            raise ValueError(f"function must return a vector, got shape {rise.shape}")
-        columns.append(rise / (ahead[i] - behind[i]))
+        if rise.shape[:-1] != x.shape[:-1]:
+            raise ValueError(f"function must return (..., m) for {x.shape}, got {rise.shape}")
+        columns.append(rise / (ahead - behind)[..., i, None])
     return np.stack(columns, axis=-1)
 
 
 def _matrices(**named: ArrayLike) -> list[NDArray]:
-    found = {name: real_array(value, f"{name} must be numbers") for name, value in named.items()}
+    found = {name: real_numbers(value, name) for name, value in named.items()}
     n, m = found["P"].shape[-1:], found["H"].shape[-2:-1]
     wanted = {"P": n + n, "H": m + n, "K": n + m, "R": m + m}
     for name, matrix in found.items():

@@ -12,22 +12,28 @@ Source: Mastalli 2013, section 4.2.3.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.localisation.kalman.arguments import covariance, duration, finite, plain
-from backhoe.localisation.kalman.compiled import kernels
+from backhoe.basics.inputs import covariance, numbers
 from backhoe.localisation.kalman.equations import numerical_jacobian
-from backhoe.localisation.kalman.sensing import Filter, Measurement, innovation, noise
-
-Motion = Callable[[NDArray, ArrayLike, float], ArrayLike]
+from backhoe.localisation.kalman.sensing import (
+    Filter,
+    Measurement,
+    Motion,
+    duration,
+    engine,
+    innovation,
+    noise,
+    plain,
+)
 
 
 class ExtendedKalmanFilter(Filter):
-    """One state, one covariance, any number of sensors.
+    """One state, one covariance, any number of sensors; x, z and u have their own units.
 
     Args:
         f: the motion, f(x, u, dt) -> x at the next instant, shape (n,).
@@ -50,7 +56,7 @@ class ExtendedKalmanFilter(Filter):
         time: of the estimate [s].
         x_prior, P_prior, F: of the last prediction, shapes (n,), (n, n), (n, n).
         innovation, S, K: of the last update, shapes (m,), (m, m), (n, m).
-        nis: innovation^T S^-1 innovation of the last update.
+        nis: innovation^T S^-1 innovation of the last update [1].
 
     Raises:
         ValueError: a wrong shape, numbers that are not finite, a covariance that is not symmetric
@@ -72,49 +78,39 @@ class ExtendedKalmanFilter(Filter):
         angles: Sequence[int] = (),
         measurement_angles: Sequence[int] = (),
     ) -> None:
-        super().__init__(x0, time, angles, (h, H, R), measurement_angles)
-        n = len(self._x)
-        self._f, self._n = f, n
-        self._F = F if F is None or callable(F) else finite(F, (n, n), "F")
-        self._Q = Q if callable(Q) else covariance(Q, n, "Q")
+        super().__init__(f, Q, x0, P0, (h, H, R), time, angles, measurement_angles)
+        n = self._n
+        self._F = F if F is None or callable(F) else np.array(numbers(F, "F", (n, n)))
         self._Q_checked = not callable(Q)
-        self._P = covariance(P0, n, "P0")
-        self.x_prior, self.P_prior, self.F = self._x, self._P, np.eye(n)
-        self.innovation = self.S = self.K = self.nis = None
+        self.F = np.eye(n)
         self.predictions = 0
-
-    @property
-    def P(self) -> NDArray:
-        """Covariance of the estimate's error, shape (n, n)."""
-        return self._P
-
-    @P.setter
-    def P(self, value: ArrayLike) -> None:
-        self._P = covariance(value, self._n, "P")
 
     def predict(self, u: ArrayLike, dt: float) -> None:
         """Move the estimate on by dt.
 
         Args:
-            u: input that f, F and Q take; None if they take none.
+            u: input that f, F and Q take, of any shape [its own units]; None if they take none.
             dt: positive [s].
 
         Raises:
             ValueError: dt is not positive; f, F or Q gives another shape, or numbers that are not
                 finite. The filter is as before then.
         """
-        dt, x, shape = duration(dt), self._x, self._P.shape
-        moved = plain(self._f(x.copy(), u, dt), x.shape, "f(x, u, dt)")
-        F = plain(self._jacobian(x, u, dt), shape, "F(x, u, dt)")
+        dt, x, n = duration(dt), self._x, self._n
+        moved = self._states(self._f(x.copy(order="K"), u, dt), "f(x, u, dt)")
+        F = self._matrices(self._jacobian(x, u, dt), n, "F(x, u, dt)")
         Q = self._Q
         if callable(Q):
-            Q = plain(Q(x, u, dt), shape, "Q(x, u, dt)")
+            Q = self._matrices(Q(x, u, dt), n, "Q(x, u, dt)")
             if not self._Q_checked:
-                Q = covariance(Q, self._n, "Q(x, u, dt)")
+                self._check_noise(Q)
                 self._Q_checked = True
-        P = np.empty(shape)
-        if not kernels().propagate(moved, F, self._P, Q, P):
-            _complain(moved, F, Q)
+        P = self._propagated(moved, F, Q)
+        if P is None:
+            numbers(moved, "f(x, u, dt)")
+            numbers(F, "F(x, u, dt)")
+            self._check_noise(Q)
+            raise ValueError("P became infinite or negative in the prediction: F or Q is too large")
         self._x, self._P, self.F = moved, P, F
         self.x_prior, self.P_prior = moved, P
         self.time += dt
@@ -133,7 +129,7 @@ class ExtendedKalmanFilter(Filter):
         """Correct the estimate by a measurement, of the own sensor or of the one named here.
 
         Args:
-            z: measurement, shape (m,); a number for m = 1.
+            z: measurement, shape (m,) [its own units]; a number for m = 1.
             h, H, R: of another sensor, as for the class. H alone, an array: z = H x. R alone: the
                 own sensor with other noise.
             angles: components of z that are angles [rad]; None: as for the own sensor, or none.
@@ -145,24 +141,17 @@ class ExtendedKalmanFilter(Filter):
         """
         if time is not None:
             self._check_time(time)
-        sensor = self._sensor(h, H, R, angles)
-        x, n = self._x, self._n
+        sensor, x = self._sensor(h, H, R, angles), self._x
         seen = self._look(sensor.h, x)
-        m = len(seen)
+        m = seen.shape[-1]
         y = innovation(z, seen, sensor.angles)
         H = sensor.H
         if H is None:
-            H = numerical_jacobian(sensor.h, x, sensor.angles)
+            H = numerical_jacobian(lambda x: self._look(sensor.h, x), x, sensor.angles)
         elif callable(H):
             H = H(x)
-        H = plain(H, (m, n), "H(x)")
-        R = sensor.R if R is None else noise(R, m)
-        x_new, P_new, S, K = np.empty(n), np.empty((n, n)), np.empty((m, m)), np.empty((n, m))
-        nis = kernels().correct(x, self._P, y, H, R, x_new, P_new, S, K)
-        if not 0 <= nis < inf:
-            _complain_of_sensor(z, seen, H, S)
-        self._x, self._P = x_new, P_new
-        self.innovation, self.S, self.K, self.nis = y, S, K, nis
+        H = self._matrices(H, m, "H(x)")
+        self._correct(z, seen, y, H, sensor.R if R is None else noise(R, m))
 
     def _jacobian(self, x: NDArray, u: ArrayLike, dt: float) -> ArrayLike:
         if callable(self._F):
@@ -171,19 +160,35 @@ class ExtendedKalmanFilter(Filter):
             return numerical_jacobian(lambda x: self._f(x, u, dt), x, self.angles)
         return self._F
 
+    def _states(self, value: ArrayLike, name: str) -> NDArray:
+        return plain(value, self._x.shape, name)
 
-def _complain(x: NDArray, F: NDArray, Q: NDArray) -> None:
-    n = x.shape[-1]
-    finite(x, x.shape, "f(x, u, dt)")
-    finite(F, F.shape, "F(x, u, dt)")
-    covariance(Q, n, "Q(x, u, dt)", runs=len(Q) if Q.ndim == 3 else None)
-    raise ValueError("P became infinite or negative in the prediction: F or Q is too large")
+    def _matrices(self, value: ArrayLike, rows: int, name: str) -> NDArray:
+        return plain(value, (rows, self._n), name)
+
+    def _check_noise(self, Q: NDArray) -> None:
+        covariance(Q, "Q(x, u, dt)", self._n, runs=len(Q) if Q.ndim == 3 else None)
+
+    def _propagated(self, x: NDArray, F: NDArray, Q: NDArray) -> NDArray | None:
+        """F P F^T + Q; None if that or x cannot be true."""
+        P = np.empty(self._P.shape)
+        return P if engine().propagate_one(x, F, self._P, Q, P) else None
+
+    def _correct(self, z: ArrayLike, seen: NDArray, y: NDArray, H: NDArray, R: NDArray) -> None:
+        m, n = H.shape
+        x, P, S, K = np.empty(n), np.empty((n, n)), np.empty((m, m)), np.empty((n, m))
+        nis = engine().correct_one(self._x, self._P, y, H, R, x, P, S, K)
+        if not 0 <= nis < inf:
+            complain(z, seen, H, S)
+        self._x, self._P = x, P
+        self.innovation, self.S, self.K, self.nis = y, S, K, nis
 
 
-def _complain_of_sensor(z: ArrayLike, seen: NDArray, H: NDArray, S: NDArray) -> None:
-    finite(z, seen.shape, "z")
-    finite(seen, seen.shape, "h(x)")
-    finite(H, H.shape, "H(x)")
+def complain(z: ArrayLike, seen: NDArray, H: NDArray, S: NDArray) -> None:
+    """ValueError that names what of a measurement cannot be."""
+    numbers(z, "z")
+    numbers(seen, "h(x)")
+    numbers(H, "H(x)")
     raise ValueError(
         f"S = H P H^T + R must be positive definite, got {S.tolist()}: is P still a covariance?"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.localisation.kalman.batch import BatchExtendedKalmanFilter
+from backhoe.basics.inputs import instance
 from backhoe.localisation.kalman.extended import ExtendedKalmanFilter
 
 
@@ -19,21 +19,15 @@ class History:
         of: a KalmanFilter, ExtendedKalmanFilter or BatchExtendedKalmanFilter.
 
     Attributes:
-        time: shape (K+1,) [s].
-        x, P: shapes (..., K+1, n), (..., K+1, n, n), the leading axis N for a batch.
-        x_prior, P_prior, F: of the K predictions, shapes (..., K, n), (..., K, n, n) twice.
+        angles: components of the state that are angles, as the filter has them.
 
     Raises:
-        ValueError: another kind of filter.
+        TypeError: another kind of filter.
     """
 
-    def __init__(self, of: ExtendedKalmanFilter | BatchExtendedKalmanFilter) -> None:
-        if not isinstance(of, ExtendedKalmanFilter | BatchExtendedKalmanFilter):
-            raise ValueError(
-                "a history needs a filter that has F (Kalman, extended, batch), got "
-                f"{type(of).__name__}"
-            )
-        self._filter, self._seen = of, of.predictions
+    def __init__(self, of: ExtendedKalmanFilter) -> None:
+        instance(of, "a history's filter", ExtendedKalmanFilter, "it must predict with F")
+        self.angles, self._filter, self._seen = of.angles, of, of.predictions
         self._rows = {name: [] for name in ("time", "x", "P", "x_prior", "P_prior", "F")}
         self._keep("time", "x", "P")
 
@@ -60,33 +54,31 @@ class History:
 
     @property
     def x(self) -> NDArray:
-        """Estimates, shape (..., K+1, n)."""
-        return self._stacked("x", 1)
+        """Estimates, shape (..., K+1, n), the leading axis N for a batch [own units]."""
+        return np.stack(self._rows["x"], axis=-2)
 
     @property
     def P(self) -> NDArray:
         """Their covariances, shape (..., K+1, n, n)."""
-        return self._stacked("P", 2)
+        return np.stack(self._rows["P"], axis=-3)
 
     @property
     def x_prior(self) -> NDArray:
         """Predictions, shape (..., K, n)."""
-        return self._stacked("x_prior", 1)
+        return np.stack(self._predicted("x_prior"), axis=-2)
 
     @property
     def P_prior(self) -> NDArray:
         """Their covariances, shape (..., K, n, n)."""
-        return self._stacked("P_prior", 2)
+        return np.stack(self._predicted("P_prior"), axis=-3)
 
     @property
     def F(self) -> NDArray:
         """Jacobians of the predictions, shape (..., K, n, n)."""
-        return self._stacked("F", 2)
+        shape = self._rows["P"][0].shape
+        return np.stack([np.broadcast_to(F, shape) for F in self._predicted("F")], axis=-3)
 
-    def _stacked(self, name: str, inner: int) -> NDArray:
+    def _predicted(self, name: str) -> list[NDArray]:
         if not self._rows[name]:
             raise ValueError("the history is empty: call add after each cycle")
-        if name == "F":
-            shape = np.shape(self._rows["P"][0])
-            return np.stack([np.broadcast_to(F, shape) for F in self._rows["F"]], axis=-3)
-        return np.stack(self._rows[name], axis=-1 - inner)
+        return self._rows[name]

@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
-from backhoe.localisation.kalman.arguments import covariance, exactly, finite
+from backhoe.basics.inputs import covariance, numbers
 
 
 def least_squares(
@@ -27,7 +26,7 @@ def least_squares(
     """States of greatest probability given the start and every measurement.
 
     Args:
-        F: transition, shape (n, n).
+        F: transition, shape (n, n); x and z have their own units.
         H: sensor, shape (m, n).
         Q, R: covariances of the noises, positive definite, shapes (n, n), (m, m).
         z: measurements of instants 1 ... K, shape (K, m).
@@ -39,16 +38,12 @@ def least_squares(
     Raises:
         ValueError: shapes that do not fit, or a covariance that is not positive definite.
     """
-    x0 = exactly(x0, "x0", "the state at the start")
-    n = len(x0)
-    z = real_array(z, "z must be numbers")
-    if z.ndim != 2:
-        raise ValueError(f"z must have shape (K, m), got shape {z.shape}")
-    (K, m), z = z.shape, finite(z, z.shape, "z")
-    F, H = finite(F, (n, n), "F"), finite(H, (m, n), "H")
+    x0, z = numbers(x0, "x0", ("n",), meaning="the start"), numbers(z, "z", ("K", "m"))
+    n, (K, m) = len(x0), z.shape
+    F, H = numbers(F, "F", (n, n)), numbers(H, "H", (m, n))
     Q, R, P0 = (
-        np.linalg.inv(covariance(value, size, name, definite=True))
-        for value, size, name in ((Q, n, "Q"), (R, m, "R"), (P0, n, "P0"))
+        np.linalg.inv(covariance(value, name, size, definite=True))
+        for value, name, size in ((Q, "Q", n), (R, "R", m), (P0, "P0", n))
     )
     information, weighted = np.zeros((K + 1, n, K + 1, n)), np.zeros((K + 1, n))
     information[0, :, 0], weighted[0] = P0, P0 @ x0

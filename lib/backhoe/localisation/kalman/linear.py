@@ -13,15 +13,15 @@ from collections.abc import Callable, Sequence
 
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
-from backhoe.localisation.kalman.arguments import exactly, plain
+from backhoe.basics.inputs import numbers
 from backhoe.localisation.kalman.extended import ExtendedKalmanFilter
+from backhoe.localisation.kalman.sensing import plain
 
 OfTime = Callable[[float], ArrayLike]
 
 
 class KalmanFilter(ExtendedKalmanFilter):
-    """A Kalman filter with the interface of the extended one.
+    """A Kalman filter with the interface of the extended one; x, z and u have their own units.
 
     Args:
         F: shape (n, n), or F(dt) if it depends on the step.
@@ -51,24 +51,24 @@ class KalmanFilter(ExtendedKalmanFilter):
         angles: Sequence[int] = (),
         measurement_angles: Sequence[int] = (),
     ) -> None:
-        n = len(exactly(x0, "x0", "the state at the start"))
-        constant = None if callable(F) else plain(F, (n, n), "F")
-
         def transition(x: NDArray, u: ArrayLike, dt: float) -> NDArray:
-            return plain(F(dt), (n, n), "F(dt)") if constant is None else constant
+            return plain(F(dt), 2 * x.shape, "F(dt)") if callable(F) else self._F
 
         def move(x: NDArray, u: ArrayLike, dt: float) -> NDArray:
-            return transition(x, u, dt) @ x + _push(B, u, dt, n)
-
-        def noise(x: NDArray, u: ArrayLike, dt: float) -> ArrayLike:
-            return Q(dt)
+            moved = transition(x, u, dt) @ x
+            if u is None:
+                return moved
+            if B is None:
+                raise ValueError("u must be None, since the filter has no B; got an input")
+            push = numbers(B(dt) if callable(B) else B, "B", (*x.shape, "k"))
+            return moved + push @ plain(u, push.shape[1:], "u")
 
         super().__init__(
             move,
-            transition if constant is None else constant,
+            transition if callable(F) else F,
             None,
             H,
-            noise if callable(Q) else Q,
+            (lambda x, u, dt: Q(dt)) if callable(Q) else Q,
             R,
             x0,
             P0,
@@ -84,14 +84,3 @@ class KalmanFilter(ExtendedKalmanFilter):
                 "take ExtendedKalmanFilter"
             )
         return super()._sensor(h, H, R, angles)
-
-
-def _push(B: ArrayLike | OfTime | None, u: ArrayLike | None, dt: float, n: int) -> NDArray | float:
-    if u is None:
-        return 0.0
-    if B is None:
-        raise ValueError("u must be None, since the filter has no B; got an input")
-    B = real_array(B(dt) if callable(B) else B, "B must be numbers")
-    if B.ndim != 2 or len(B) != n:
-        raise ValueError(f"B must have shape ({n}, k), got shape {B.shape}")
-    return B @ plain(u, B.shape[1:], "u")

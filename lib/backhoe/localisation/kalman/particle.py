@@ -14,19 +14,25 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.angles import residual, wrap_components
-from backhoe.localisation.kalman.arguments import covariance, duration, exactly, finite
-from backhoe.localisation.kalman.compiled import kernels
-from backhoe.localisation.kalman.extended import Motion
-from backhoe.localisation.kalman.sensing import Filter, Measurement, noise
-from backhoe.localisation.kalman.unscented import over_leading_axes
+from backhoe.basics.inputs import covariance, generator, number, numbers, whole
+from backhoe.localisation.kalman.bayes import distribution
+from backhoe.localisation.kalman.sensing import (
+    Filter,
+    Measurement,
+    Motion,
+    duration,
+    engine,
+    noise,
+    over_leading_axes,
+)
 
 
 def systematic_resample(weights: ArrayLike, offset: float) -> NDArray:
     """Which particles go on: index i about M weights[i] times.
 
     Args:
-        weights: not negative, of sum 1, shape (M,).
-        offset: the one random number, in [0, 1).
+        weights: not negative, of sum 1, shape (M,) [1].
+        offset: the one random number, from 0 to below 1 [1].
 
     Returns:
         Indices, shape (M,), in order; each i is there floor(M w) or ceil(M w) times.
@@ -34,13 +40,9 @@ def systematic_resample(weights: ArrayLike, offset: float) -> NDArray:
     Raises:
         ValueError: weights negative or of another sum, offset outside [0, 1).
     """
-    weights = exactly(weights, "weights", "the particles' weights")
-    if (weights < 0).any() or abs(weights.sum() - 1) > 1e-9:
-        raise ValueError(f"weights must not be negative and sum to 1, got sum {weights.sum():.6g}")
-    if not 0 <= offset < 1:
-        raise ValueError(f"offset must be in [0, 1), got {offset!r}")
+    weights = distribution(numbers(weights, "weights", ("M",)), "weights")
     M = len(weights)
-    places = (np.arange(M) + offset) / M
+    places = (np.arange(M) + number(offset, "offset", least=0, below=1)) / M
     return np.minimum(np.searchsorted(np.cumsum(weights), places, side="right"), M - 1)
 
 
@@ -53,7 +55,7 @@ class ParticleFilter(Filter):
             are drawn from N(x0, P0), the noise of the motion from N(0, Q).
         particles: M.
         rng: a NumPy generator, or a seed.
-        threshold: resample when the effective size is below threshold * M.
+        threshold: resample when the effective size is below threshold * M [1].
 
     Attributes:
         particles, weights: shapes (M, n), (M,).
@@ -81,22 +83,17 @@ class ParticleFilter(Filter):
         angles: Sequence[int] = (),
         measurement_angles: Sequence[int] = (),
     ) -> None:
-        super().__init__(x0, time, angles, (h, None, R), measurement_angles)
-        n = len(self._x)
-        if not (isinstance(particles, int | np.integer) and particles >= 2):
-            raise ValueError(f"particles must be an integer of at least 2, got {particles!r}")
-        if not 0 <= threshold <= 1:
-            raise ValueError(f"threshold must be from 0 to 1, got {threshold!r}")
-        self._f, self._n, self._threshold = f, n, threshold
-        self._Q = Q if callable(Q) else covariance(Q, n, "Q")
-        self._rng = _generator(rng)
-        self.particles = self._x + self._draw(covariance(P0, n, "P0"), (particles, n))
+        super().__init__(f, Q, x0, P0, (h, None, R), time, angles, measurement_angles)
+        particles = whole(particles, "particles", least=2)
+        self._threshold = number(threshold, "threshold", least=0, most=1)
+        self._rng = generator(rng)
+        self.particles = self._x + self._draw(self._P, (particles, self._n))
         self.weights = np.full(particles, 1 / particles)
         self.effective_size = float(particles)
 
     @property
     def x(self) -> NDArray:
-        """Mean of the particles, shape (n,)."""
+        """Mean of the particles, shape (n,) [own units]."""
         mean = self.weights @ self.particles
         for i in self.angles:
             away = self.particles[:, i] - mean[i]
@@ -105,25 +102,18 @@ class ParticleFilter(Filter):
 
     @property
     def P(self) -> NDArray:
-        """Covariance of the particles, shape (n, n)."""
+        """Covariance of the particles, shape (n, n) [products of their units]."""
         away = residual(self.particles, self.x, self.angles)
         return (away.T * self.weights) @ away
 
     def predict(self, u: ArrayLike, dt: float) -> None:
-        """Move each particle on by dt, with its own draw of the noise.
-
-        Args:
-            u, dt: as for `ExtendedKalmanFilter`.
-
-        Raises:
-            ValueError: as for `ExtendedKalmanFilter`.
-        """
-        dt, old = duration(dt), self.particles
-        Q = self._Q
+        """Move each particle on by dt, with its own draw of the noise; arguments and errors as for
+        `ExtendedKalmanFilter`."""
+        dt, old, Q = duration(dt), self.particles, self._Q
         if callable(Q):
-            Q = covariance(Q(old, u, dt), self._n, "Q(x, u, dt)", runs=len(old))
+            Q = covariance(Q(old, u, dt), "Q(x, u, dt)", self._n, runs=len(old))
         moved = over_leading_axes(self._f(old.copy(), u, dt), old.shape, "f(x, u, dt)")
-        self.particles = finite(moved, old.shape, "f(x, u, dt)") + self._draw(Q, old.shape)
+        self.particles = numbers(moved, "f(x, u, dt)") + self._draw(Q, old.shape)
         self.time += dt
 
     def update(
@@ -146,12 +136,14 @@ class ParticleFilter(Filter):
             ValueError: as for `ExtendedKalmanFilter`. A measurement far from all particles is no
                 error: it leaves few of them, which `effective_size` shows.
         """
-        self._check_time(time)
+        if time is not None:
+            self._check_time(time)
         sensor = self._sensor(h, H, R, angles)
         m = len(self._look(sensor.h, self.particles[0]))
         R = sensor.R if R is None else noise(R, m)
         seen = over_leading_axes(sensor.h(self.particles), (len(self.particles), m), "h(x)")
-        away = finite(z, (m,), "z") - finite(seen, seen.shape, "h(x)")
+        z = numbers([z] if np.ndim(z) == 0 else z, "z", (m,))
+        away = z - numbers(seen, "h(x)")
         wrap_components(away, tuple(sensor.angles))
         exponent = -0.5 * np.einsum("ki,ki->k", away, np.linalg.solve(R, away.T).T)
         with np.errstate(divide="ignore"):
@@ -168,14 +160,8 @@ class ParticleFilter(Filter):
         self.weights = np.full(len(chosen), 1 / len(chosen))
 
     def _draw(self, P: NDArray, shape: tuple[int, int]) -> NDArray:
-        roots = kernels().root_all(np.ascontiguousarray(P).reshape(-1, self._n, self._n))
+        elements = np.array(np.atleast_3d(P.T), order="C")
+        roots = np.zeros(elements.shape)
+        engine().root(elements, roots)
         normal = self._rng.standard_normal(shape)
-        return normal @ roots[0].T if len(roots) == 1 else (roots @ normal[..., None])[..., 0]
-
-
-def _generator(rng: np.random.Generator | int) -> np.random.Generator:
-    if isinstance(rng, np.random.Generator):
-        return rng
-    if isinstance(rng, int | np.integer) and not isinstance(rng, bool) and rng >= 0:
-        return np.random.default_rng(rng)
-    raise ValueError(f"rng must be a numpy Generator or a seed, got {rng!r}")
+        return normal @ roots[..., 0].T if P.ndim == 2 else np.einsum("ijk,kj->ki", roots, normal)

@@ -5,13 +5,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from backhoe.arm import closed_loop, dynamics, movement, pid
-from backhoe.arm.closed_loop import COULOMB_SMOOTHING, simulate
+from backhoe.arm.closed_loop import COULOMB_SMOOTHING, plain, simulate
+from backhoe.arm.closed_loop.task import Task
 from backhoe.arm.movement import Movement
-from backhoe.arm.pid import ARM_GAINS, DigitalPID, SampleHold
+from backhoe.arm.pid import ARM_GAINS, DigitalPID, Gains
 from backhoe.machine import BACKHOE, variants
 
 LOAD = 850.0
-COMPUTED = ([40.0] * 4, [20.0] * 4, [12.0] * 4)
+COMPUTED = Gains(kp=[40.0] * 4, ki=[20.0] * 4, kd=[12.0] * 4)
 MEASURES = (
     "rms_error",
     "peak_error",
@@ -130,7 +131,7 @@ def test_computed_torque_is_its_formula_with_the_law_s_own_model(swing):
 
 def test_computed_torque_with_the_right_model_needs_no_feedback(swing):
     """Up to the torque that stands still for a millisecond: an error of first order in dt."""
-    off = ([0.0] * 4,) * 3
+    off = Gains(*[[0.0] * 4] * 3)
     fine = movement.loading(dt=1e-3)
     errors = []
     for dt in (2e-3, 1e-3):
@@ -139,6 +140,28 @@ def test_computed_torque_with_the_right_model_needs_no_feedback(swing):
         errors.append(run.peak_error.max())
     assert errors[1] < 2e-3
     assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.1)
+
+
+PLAINLY = {
+    "limits": {"torque_limit": [20e3, 150e3, 12e3, 6e3], "q0": [0.02, -0.03, 0.02, 0.05]},
+    "differences": {"rate": "difference", "filter_time": 0.02, "state_every": 10},
+    "gravity": {"law": "pid+gravity", "payload": LOAD, "settled": True},
+    "model": {"law": "computed_torque", "model": variants.loaded(300.0), "friction": False},
+}
+
+
+@pytest.mark.parametrize("case", PLAINLY)
+def test_the_engine_does_what_the_plain_loop_does(case, loading):
+    """To 1e-12 of their size, in 0.3 s in which all joints move and the bucket turns back."""
+    cut, options = part(loading, 7.3, 7.6), dict(PLAINLY[case])
+    if "q0" in options:
+        options["q0"] = cut.q[0] + options["q0"]
+    gains = COMPUTED if case == "model" else ARM_GAINS
+    found = recorded(gains, cut, **options)
+    q, dq, torque = plain.follow(Task(gains, cut, **options))
+    np.testing.assert_allclose(found.q, q, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.dq, dq, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.torque, torque, rtol=0, atol=1e-12 * np.abs(torque).max())
 
 
 def test_integral_stops_at_the_limit_exactly_as_in_pid(swing):
@@ -152,12 +175,11 @@ def test_integral_stops_at_the_limit_exactly_as_in_pid(swing):
     np.testing.assert_allclose(found.torque[:300], torque, rtol=1e-12)
 
 
-def test_difference_and_held_state_are_the_digital_pid_behind_a_sample_and_hold(swing):
+def test_difference_and_held_state_are_the_digital_pid_on_every_tenth_state(swing):
     time = 0.02
     loops = DigitalPID(*ARM_GAINS, swing.dt, filter_time=time, derivative_of="error")
-    hold = SampleHold(10)
     found = recorded(ARM_GAINS, swing, state_every=10, rate="difference", filter_time=time)
-    torque = [loops(swing.q[step], hold(found.q[step])) for step in range(len(swing))]
+    torque = [loops(swing.q[k], found.q[k - k % 10]) for k in range(len(swing))]
     np.testing.assert_allclose(found.torque, torque, rtol=1e-9, atol=1e-4)
 
 
@@ -181,7 +203,7 @@ def test_friction_is_that_of_the_simulation():
 
 def varied(count, seed=0):
     rng = np.random.default_rng(seed)
-    return tuple(np.array(gain) * rng.uniform(0.5, 1.5, (count, 4)) for gain in ARM_GAINS)
+    return Gains(*(np.array(gain) * rng.uniform(0.5, 1.5, (count, 4)) for gain in ARM_GAINS))
 
 
 def assert_same(a, b):
@@ -197,7 +219,7 @@ def test_each_run_is_what_it_would_be_alone(swing):
     gains, loads = varied(20), np.linspace(0, LOAD, 20)
     together = simulate(gains, swing, payload=loads)
     for index in (0, 7, 19):
-        own = [gain[index] for gain in gains]
+        own = Gains(*(gain[index] for gain in gains))
         alone = simulate(own, swing, payload=loads[index])
         for name in MEASURES:
             np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[index])
@@ -228,8 +250,8 @@ def test_recording_every_tenth_sample_keeps_those(swing):
 
 def too_stiff(count=3):
     """The second run's K_d is above 2 J / dt of the bucket: sampling makes it unstable."""
-    gains = [np.tile(gain, (count, 1)) for gain in ARM_GAINS]
-    gains[2][1, 3] = 5e6
+    gains = Gains(*(np.tile(gain, (count, 1)) for gain in ARM_GAINS))
+    gains.kd[1, 3] = 5e6
     return gains
 
 
@@ -248,7 +270,7 @@ def test_a_run_that_diverges_is_stopped_and_spoils_no_other(swing):
 
 
 def test_gains_beyond_all_floats_are_marked_too(swing):
-    run = simulate([np.full(4, 1e308)] * 3, swing, q0=swing.q[0] + 0.1)
+    run = simulate(Gains(*[np.full(4, 1e308)] * 3), swing, q0=swing.q[0] + 0.1)
     assert run.diverged.all()
     assert not any(np.isnan(getattr(run, name)).any() for name in MEASURES)
 
@@ -293,32 +315,36 @@ def test_a_sweep_goes_to_a_dask_cluster_unchanged(swing):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"gains": ARM_GAINS[:2]}, "gains must be kp, ki and kd"),
-        ({"gains": ([1.0] * 3,) * 3}, r"shape \(4,\), for one run, or \(n, 4\)"),
-        ({"gains": (np.ones((2, 4)), np.ones(4), np.ones(4))}, r"got \(2, 4\), \(4,\), \(4,\)"),
-        ({"gains": (np.ones((0, 4)),) * 3}, "one row for each run"),
-        ({"gains": ([-1.0] * 4, [1.0] * 4, [1.0] * 4)}, "kp must be finite and not negative"),
-        ({"gains": ([1.0] * 4, [np.nan] * 4, [1.0] * 4)}, "ki must be finite"),
-        ({"gains": ("a", "b", "c")}, "kp must be numbers"),
-        ({"law": "PD"}, 'law must be one of "pid", "pid\\+gravity", "computed_torque"'),
+        ({"gains": Gains(*[[1.0] * 3] * 3)}, r"kp must be one row a run, shape \(n, 4\)"),
+        (
+            {"gains": Gains(np.ones((2, 4)), np.ones(4), np.ones(4))},
+            r"kp and ki and kd must be alike, got shapes \(2, 4\), \(1, 4\), \(1, 4\)",
+        ),
+        ({"gains": Gains(*[np.ones((0, 4))] * 3)}, "kp must be one row a run"),
+        ({"gains": ARM_GAINS._replace(kp=[-1.0, 1, 1, 1])}, "kp must not be negative, got -1 in"),
+        ({"gains": ARM_GAINS._replace(ki=[np.nan] * 4)}, "ki must be finite"),
+        ({"gains": ARM_GAINS._replace(kp=[np.inf, 1, 1, 1])}, "kp must be finite, got inf"),
+        ({"gains": Gains("a", "b", "c")}, "kp must be numbers"),
+        ({"law": "PD"}, r"law must be one of pid, pid\+gravity, computed_torque"),
         ({"rate": "guessed"}, "rate must be one of"),
-        ({"torque_limit": [1.0, 2.0]}, "torque_limit must be positive, one for each"),
+        ({"torque_limit": [1.0, 2.0]}, r"torque_limit must be one torque a joint, shape \(4,\)"),
         ({"torque_limit": [1.0, 2.0, 0.0, 1.0]}, "torque_limit must be positive"),
-        ({"payload": -1.0}, "payload must be finite and not negative"),
+        ({"torque_limit": [1.0, 2.0, np.nan, 1.0]}, "torque_limit must be positive"),
+        ({"payload": -1.0}, "payload must not be negative"),
+        ({"payload": np.nan}, "payload must be finite"),
         ({"payload": [1.0, 2.0]}, "one mass or one for each of 1 runs"),
         ({"q0": np.zeros((3, 4))}, r"q0 must have shape \(4,\) or \(1, 4\)"),
         ({"q0": [0, 0, np.nan, 0]}, "finite"),
-        ({"state_every": 0}, "state_every must be a whole number"),
-        ({"record_every": 1.5}, "record_every must be a whole number"),
-        ({"filter_time": -1.0}, "filter_time must be a time in s"),
+        ({"state_every": 0}, "state_every must be one whole number at least 1"),
+        ({"record_every": 1.5}, "record_every must be one whole number"),
+        ({"filter_time": -1.0}, r"filter_time must be one number at least 0 \[s\]"),
         ({"filter_time": 0.02}, 'filter_time goes with rate="difference"'),
-        ({"threads": 0}, "threads must be a whole number, 1 or more"),
-        ({"threads": 1.5}, "threads must be a whole number, 1 or more"),
-        ({"gains": ([np.inf, 1, 1, 1], [1.0] * 4, [1.0] * 4)}, "kp must be finite.*got inf in it"),
-        ({"record": [1]}, "runs from 0 to 0, got 1"),
-        ({"record": "some"}, 'indices of runs or "all"'),
-        ({"record": [0.5]}, "record must hold whole numbers"),
-        ({"gains": (ARM_GAINS.kp, [0.0] * 4, ARM_GAINS.kd), "settled": True}, "boom has ki = 0"),
+        ({"threads": 0}, "threads must be one whole number at least 1"),
+        ({"threads": 1.5}, "threads must be one whole number at least 1"),
+        ({"record": [1]}, "record must be indices from 0 to 0"),
+        ({"record": "some"}, "record must be indices"),
+        ({"record": [0.5]}, "record must be indices"),
+        ({"gains": ARM_GAINS._replace(ki=[0.0] * 4), "settled": True}, "boom has ki = 0"),
     ],
 )
 def test_bad_arguments_are_named(swing, options, message):
@@ -327,14 +353,20 @@ def test_bad_arguments_are_named(swing, options, message):
         simulate(arguments.pop("gains"), swing, **arguments)
 
 
-def test_a_reference_must_be_a_movement(swing):
-    with pytest.raises(TypeError, match="must be a movement, got ndarray"):
+def test_a_reference_must_be_a_movement_and_gains_must_be_gains(swing):
+    with pytest.raises(TypeError, match="movement must be a Movement, got ndarray"):
         simulate(ARM_GAINS, swing.q)
+    with pytest.raises(TypeError, match=r"gains must be a Gains, got tuple: give pid\.Gains"):
+        simulate(tuple(ARM_GAINS), swing)
+    with pytest.raises(TypeError, match="brakes"):
+        simulate(ARM_GAINS, swing, brakes=True)
 
 
 @pytest.mark.parametrize("chunks", [0, 4, 1.0])
 def test_chunks_must_be_as_many_as_runs_at_most(swing, chunks):
-    with pytest.raises(ValueError, match="whole number from 1 to 3 runs"):
+    with pytest.raises(
+        ValueError, match="chunks must be one whole number at least 1 and at most 3"
+    ):
         closed_loop.sweep(varied(3), swing, chunks=chunks, progress=False)
 
 

@@ -395,8 +395,8 @@ def test_very_many_states_give_the_same_numbers(rng, monkeypatch, numba):
     if numba:
         pytest.importorskip("numba")
     else:
-        monkeypatch.setitem(sys.modules, "backhoe.arm.dynamics.compiled", None)
-        monkeypatch.delattr("backhoe.arm.dynamics.compiled", raising=False)
+        monkeypatch.setitem(sys.modules, "backhoe.arm.dynamics.engine", None)
+        monkeypatch.delattr("backhoe.arm.dynamics.engine", raising=False)
     shape = (5, postures.MANY // 5, 4)
     q, dq, ddq = rng.uniform(-2, 2, (3, *shape))
     q.flags.writeable = False
@@ -406,7 +406,7 @@ def test_very_many_states_give_the_same_numbers(rng, monkeypatch, numba):
     close(M[some], dynamics.mass_matrix(q[some]), 14)
     close(tau[some], dynamics.inverse_dynamics(q[some], dq[some], ddq[some]), 14)
     if numba:
-        assert "backhoe.arm.dynamics.compiled" in sys.modules
+        assert "backhoe.arm.dynamics.engine" in sys.modules
 
 
 # Bad input

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from backhoe.arm import dynamics
-from backhoe.arm.closed_loop.arguments import LAWS, RATES, Task, prepared
 from backhoe.arm.closed_loop.batch import Batch, Trajectory
 from backhoe.arm.closed_loop.rows import LANES
+from backhoe.arm.closed_loop.task import LAWS, Task
 from backhoe.arm.dynamics.terms import Arm, arm_of
 from backhoe.arm.movement import Movement
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import whole
 from backhoe.basics.tiles import cores
-from backhoe.machine import BACKHOE, Machine
-
-COULOMB_SMOOTHING = 0.01
-"""Speed below which Coulomb friction passes smoothly through zero [rad/s], as in `sim`."""
 
 LARGEST_ERROR = pi
 """A run whose joint is half a turn away from its reference has diverged [rad]."""
@@ -27,27 +24,54 @@ LARGEST_ERROR = pi
 LARGEST_SPEED = 50.0
 """A run with a joint as fast as this has diverged [rad/s]."""
 
-_MOBILITY_EVERY = 50
+
+class Joints(NamedTuple):
+    """Of the four joints: viscous [N m s/rad] and Coulomb `friction` [N m], shape (2, 4); torque
+    `limit` [N m], `lower` and `upper` end of the range [rad], shape (4,) each."""
+
+    friction: NDArray
+    limit: NDArray
+    lower: NDArray
+    upper: NDArray
+
+
+class Sampling(NamedTuple):
+    """`dt` [s], samples between two readings of the joints, whether the derivative is of measured
+    speeds, `filter_time` of differences [s], and from what error [rad] and speed [rad/s] on a run
+    counts as diverged."""
+
+    dt: float
+    hold: int
+    measured: bool
+    filter_time: float
+    largest_error: float
+    largest_speed: float
+
+
+class Loop(NamedTuple):
+    """What all runs share: the `arm` without payload and the `model` that the law believes in, the
+    index of the `law`, `reference` q, dq, ddq (3, m, 4) [rad, rad/s, rad/s^2], and the rates
+    `settling` (m, 4) [1/s] at which Coulomb friction settles a slow speed there."""
+
+    arm: Arm
+    model: Arm
+    law: int
+    joints: Joints
+    reference: NDArray
+    settling: NDArray
+    sampling: Sampling
+
+
+class Log(NamedTuple):
+    """`every` which sample of run i goes into rows[of[i]], (m, 3, 4): q, dq, torque; -1: none."""
+
+    every: int
+    of: NDArray
+    rows: NDArray
 
 
 def simulate(
-    gains: Sequence[ArrayLike],
-    movement: Movement,
-    *,
-    machine: Machine = BACKHOE,
-    model: Machine | None = None,
-    law: str = "pid",
-    friction: bool = True,
-    torque_limit: ArrayLike | None = None,
-    payload: ArrayLike = 0.0,
-    q0: ArrayLike | None = None,
-    settled: bool = False,
-    state_every: int = 1,
-    rate: str = "measured",
-    filter_time: float = 0.0,
-    record: Iterable[int] | str = (),
-    record_every: int = 1,
-    threads: int | None = None,
+    gains: Gains, movement: Movement, *, threads: int | None = None, **options: object
 ) -> Batch:
     """Let the arm follow a movement under PID control, once for each set of gains.
 
@@ -61,15 +85,17 @@ def simulate(
 
     with e = q_ref - q and xi the sum of e dt, this sample included. A joint's sum stands still in a
     sample whose torque is at the limit and has the sign of e, as in `pid.PID`, whose numbers "pid"
-    reproduces. With friction, viscous friction and a smoothed Coulomb friction act as in `sim`. The
-    stops at the ends of the joints' ranges are not modelled; `Batch.overrun` tells of them.
+    reproduces. With friction, viscous friction and a smoothed Coulomb friction act as in
+    `simulation`. The stops at the ends of the joints' ranges are not modelled; `Batch.overrun`
+    tells of them.
 
     Source: Mastalli 2013, eqs. (3.1), (3.2) and (3.28).
 
     Args:
-        gains: kp, ki, kd (a `pid.Gains` will do), each of shape (n, 4), or (4,) for one run
-            [N m/rad, N m/(rad s), N m s/rad; 1/s^2, 1/s^3, 1/s for "computed_torque"].
+        gains: each of shape (n, 4), or (4,) for one run [N m/rad, N m/(rad s), N m s/rad; 1/s^2,
+            1/s^3, 1/s for "computed_torque"].
         movement: the reference; its dt is the sampling time.
+        threads: 1 for the caller's alone; None for one on each core.
         machine: the arm that moves, its bucket empty; `BACKHOE` unless told.
         model: the arm that the law believes in; `machine` unless told.
         law: one of `LAWS`, "pid" unless told.
@@ -89,7 +115,6 @@ def simulate(
             form of `pid.DigitalPID`.
         record: indices of the runs to keep whole, or "all"; none unless told.
         record_every: keep every which sample of those, 1 unless told.
-        threads: 1 for the caller's alone; None for one on each core.
 
     Returns:
         Measures of the n runs, and the recorded ones. A run with an error of `LARGEST_ERROR` or a
@@ -98,57 +123,30 @@ def simulate(
     Raises:
         ValueError: an array of another shape, a value that is not finite, negative gains or
             payload, an unknown law, settled with a K_i that cannot hold the arm.
-        TypeError: movement is no Movement.
+        TypeError: gains are no Gains, movement is no Movement, or an unknown option.
     """
-    options = locals()
-    del options["threads"]
-    if not (threads is None or (isinstance(threads, int | np.integer) and threads >= 1)):
-        raise ValueError(f"threads must be a whole number, 1 or more, or None, got {threads!r}")
-    return carry_out(prepared(**options), threads)
+    threads = cores() if threads is None else whole(threads, "threads", least=1)
+    return carry_out(Task(gains, movement, **options), threads)
 
 
-def carry_out(task: Task, threads: int | None = None) -> Batch:
+def carry_out(task: Task, threads: int) -> Batch:
     """Simulate all runs of a task."""
-    from backhoe.arm.closed_loop import kernels
+    from backhoe.arm.closed_loop import engine
 
-    movement, count = task.movement, len(task.gains)
-    samples = len(movement)
-    reference = np.stack([movement.q, movement.dq, movement.ddq])
-    arm, model = (Arm(*map(float, arm_of(m))) for m in (task.machine, task.model))
-    numbers, rates = _numbers(task), _settling_rates(task)
-    sampling = (
-        movement.dt,
-        task.state_every,
-        RATES.index(task.rate),
-        task.filter_time,
-        LARGEST_ERROR,
-        LARGEST_SPEED,
-    )
+    count, loop = len(task), _loop(task)
     measures, taken = np.zeros((count, 7, 4)), np.zeros(count, dtype=int)
-    rows = -(-samples // task.record_every)
-    logs = np.empty((len(task.record), rows, 3, 4))
-    log_of = np.full(count, -1)
+    rows = -(-len(task.movement) // task.record_every)
+    logs, log_of = np.empty((len(task.record), rows, 3, 4)), np.full(count, -1)
     log_of[list(task.record)] = np.arange(len(task.record))
     own = np.zeros((count, 7, 4))
-    own[:, :3], own[:, 3:6], own[:, 6, 0] = task.gains, task.start, task.payload
+    own[:, :3] = np.stack(task.gains, axis=1)
+    own[:, 3], own[:, 4], own[:, 5] = task.q0, task.movement.dq[0], task.integral
+    own[:, 6, 0] = task.payload
 
     def run_block(block: slice) -> None:
-        taken[block] = kernels.run(
-            arm,
-            numbers,
-            model,
-            LAWS.index(task.law),
-            own[block],
-            reference,
-            rates,
-            sampling,
-            task.record_every,
-            log_of[block],
-            logs,
-            measures[block],
-        )
+        log = Log(task.record_every, log_of[block], logs)
+        taken[block] = engine.run(loop, own[block], log, measures[block])
 
-    threads = cores() if threads is None else threads
     blocks = _blocks(count, LANES, threads)
     if threads == 1 or len(blocks) == 1:
         for block in blocks:
@@ -169,41 +167,34 @@ def _blocks(count: int, most: int, threads: int) -> list[slice]:
     return [slice(first, min(first + size, count)) for first in range(0, count, size)]
 
 
-def _numbers(task: Task) -> NDArray:
-    """Friction, limits and smoothing as `kernels.run` reads them, shape (6, 4)."""
-    machine = task.machine
-    return np.stack(
-        [
-            machine.viscous * task.friction,
-            machine.coulomb * task.friction,
-            task.torque_limit,
-            machine.lower,
-            machine.upper,
-            np.full(4, COULOMB_SMOOTHING),
-        ]
+def _loop(task: Task) -> Loop:
+    machine, movement = task.machine, task.movement
+    arm, model = (Arm(*map(float, arm_of(m))) for m in (machine, task.model))
+    limits = (np.array(limit) for limit in (task.torque_limit, machine.lower, machine.upper))
+    friction = task.friction * np.stack([machine.viscous, machine.coulomb])
+    reference = np.stack([movement.q, movement.dq, movement.ddq])
+    sampling = Sampling(
+        movement.dt,
+        task.state_every,
+        task.rate == "measured",
+        task.filter_time,
+        LARGEST_ERROR,
+        LARGEST_SPEED,
     )
-
-
-def _settling_rates(task: Task) -> NDArray:
-    """Rate at which smoothed Coulomb friction settles a slow speed, shape (n, 4) [1/s].
-
-    It is the friction over the smoothing speed, times the joint's mobility at the reference.
-    """
-    M = dynamics.mass_matrix(task.movement.q[::_MOBILITY_EVERY], task.machine)
-    mobility = np.diagonal(np.linalg.inv(M), axis1=-2, axis2=-1)
-    slope = task.friction * task.machine.coulomb / COULOMB_SMOOTHING
-    return np.repeat(slope * mobility, _MOBILITY_EVERY, axis=0)[: len(task.movement)]
+    law = LAWS.index(task.law)
+    joints = Joints(friction, *limits)
+    return Loop(arm, model, law, joints, reference, task.settling_rates, sampling)
 
 
 def _batch(task: Task, measures: NDArray, taken: NDArray, logs: dict[int, NDArray]) -> Batch:
-    from backhoe.arm.closed_loop import kernels
+    from backhoe.arm.closed_loop import engine
 
     movement = task.movement
     samples = len(movement)
     diverged = taken < samples
-    measures[:, kernels.ERRORS] = np.sqrt(measures[:, kernels.ERRORS] / samples)
-    measures[:, kernels.EFFORTS] *= movement.dt
-    measures[:, kernels.SATURATED] /= samples - 1
+    measures[:, engine.ERRORS] = np.sqrt(measures[:, engine.ERRORS] / samples)
+    measures[:, engine.EFFORTS] *= movement.dt
+    measures[:, engine.SATURATED] /= samples - 1
     measures[diverged] = np.inf
     last = np.minimum(taken, samples - 1)
     trajectories = {}
@@ -214,13 +205,13 @@ def _batch(task: Task, measures: NDArray, taken: NDArray, logs: dict[int, NDArra
             movement.t[kept], q.copy(), dq.copy(), torque.copy(), movement.q[kept]
         )
     return Batch(
-        rms_error=measures[:, kernels.ERRORS],
-        peak_error=measures[:, kernels.PEAK_ERRORS],
-        final_error=measures[:, kernels.LAST_ERRORS],
-        peak_torque=measures[:, kernels.PEAK_TORQUES],
-        effort=measures[:, kernels.EFFORTS],
-        saturated=measures[:, kernels.SATURATED],
-        overrun=measures[:, kernels.OVERRUNS],
+        rms_error=measures[:, engine.ERRORS],
+        peak_error=measures[:, engine.PEAK_ERRORS],
+        final_error=measures[:, engine.LAST_ERRORS],
+        peak_torque=measures[:, engine.PEAK_TORQUES],
+        effort=measures[:, engine.EFFORTS],
+        saturated=measures[:, engine.SATURATED],
+        overrun=measures[:, engine.OVERRUNS],
         diverged=diverged,
         stopped_at=movement.t[last],
         trajectories=trajectories,

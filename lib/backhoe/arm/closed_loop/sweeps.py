@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from backhoe.arm.closed_loop.arguments import Task, prepared
 from backhoe.arm.closed_loop.batch import Batch, joined
-from backhoe.arm.closed_loop.runs import carry_out
+from backhoe.arm.closed_loop.runs import simulate
+from backhoe.arm.closed_loop.task import Task
 from backhoe.arm.movement import Movement
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import whole
 from backhoe.basics.progress import progress_bar
 
 RUNS_IN_A_CHUNK = 32
 
 
 def sweep(
-    gains: Sequence[ArrayLike],
+    gains: Gains,
     movement: Movement,
     *,
     chunks: int | None = None,
@@ -33,7 +34,8 @@ def sweep(
     one thread there: start as many workers as there are cores.
 
     Args:
-        gains, movement: as for `simulate`, gains of shape (n, 4).
+        gains: of shape (n, 4) each [N m/rad, N m/(rad s), N m s/rad].
+        movement: as for `simulate`.
         chunks: in how many pieces; one for every 32 runs unless told.
         backend: a backend of joblib, such as "loky" or "threading", on all its workers; None for
             what `joblib.parallel_config` says.
@@ -49,17 +51,16 @@ def sweep(
     """
     import joblib
 
-    task = prepared(gains, movement, **options)
-    count = len(task.gains)
+    task = Task(gains, movement, **options)
+    count = len(task)
     pieces = _pieces(chunks, count)
     parallel = joblib.Parallel(
         n_jobs=None if backend is None else -1, backend=backend, return_as="generator"
     )
     alone = backend is None and joblib.effective_n_jobs() == 1
     t, motion = movement.t, np.stack([movement.q, movement.dq, movement.ddq])
-    parts = [task.part(first, last)._replace(movement=None) for first, last in pieces]
-    chunk = joblib.delayed(_chunk)
-    done = parallel(chunk(part, t, motion, None if alone else 1) for part in parts)
+    chunk, threads = joblib.delayed(_chunk), None if alone else 1
+    done = parallel(chunk(t, motion, threads, task.part(*piece)) for piece in pieces)
     batches = []
     with progress_bar(count, "simulations", progress) as advance:
         for batch in done:
@@ -68,17 +69,15 @@ def sweep(
     return joined(batches)
 
 
-def _chunk(task: Task, t: NDArray, motion: NDArray, threads: int | None) -> Batch:
+def _chunk(t: NDArray, motion: NDArray, threads: int | None, options: dict) -> Batch:
     """One task. The reference comes as arrays, which joblib hands to each worker only once."""
-    return carry_out(task._replace(movement=Movement(t, *motion)), threads)
+    return simulate(movement=Movement(t, *motion), threads=threads, **options)
 
 
 def _pieces(chunks: int | None, count: int) -> list[tuple[int, int]]:
     """First run and end of each chunk."""
     if chunks is None:
         chunks = -(-count // RUNS_IN_A_CHUNK)
-    whole = isinstance(chunks, int | np.integer) and not isinstance(chunks, bool)
-    if not whole or not 1 <= chunks <= count:
-        raise ValueError(f"chunks must be a whole number from 1 to {count} runs, got {chunks!r}")
+    whole(chunks, "chunks", least=1, most=count)
     edges = np.linspace(0, count, chunks + 1).round().astype(int).tolist()
     return list(pairwise(edges))

@@ -2,7 +2,7 @@
 
 - `motion`: the equation of motion, forwards and backwards; M, C, g, friction and energy
 - `terms`: the closed forms, each written once
-- `compiled`: the same for hundreds of thousands of postures, loaded when first needed
+- `engine`: the same, compiled, for hundreds of thousands of postures, loaded when first needed
 """
 
 from backhoe.arm.dynamics.motion import (

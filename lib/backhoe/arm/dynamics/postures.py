@@ -73,10 +73,10 @@ def _compiled(write: Callable) -> Callable | None:
     if write not in _COMPILED:
         return None
     try:
-        from backhoe.arm.dynamics import compiled
+        from backhoe.arm.dynamics import engine
     except ImportError:
         return None
-    return getattr(compiled, _COMPILED[write])
+    return getattr(engine, _COMPILED[write])
 
 
 def write_mass_matrix(M: NDArray, arm: Arm, v: Vectors) -> None:

@@ -5,7 +5,7 @@ axis. Five vectors in that plane hold all that a posture changes: l2 and l3 run 
 from joint to joint, c2, c3 and c4 from a link's joint to its centre of mass.
 
 Every function takes floats (one posture), arrays (many) or is compiled for long batches
-(`compiled`): there is arithmetic here and nothing else.
+(`engine`): there is arithmetic here and nothing else.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Arm(NamedTuple):
 
     `z1` is the height of the boom's joint, `o2` to `o4` are the angle offsets; (along, across) is
     where a centre of mass lies in the frame of its link; `I_yaw` is the part of M11 that no posture
-    changes.
+    changes. The bucket's mass stands last: a load only adds to that.
     """
 
     g: float
@@ -40,11 +40,11 @@ class Arm(NamedTuple):
     across4: float
     m_bo: float
     m_s: float
-    m_bu: float
     I_yaw: float
     I_bo: float
     I_s: float
     I_bu: float
+    m_bu: float
 
 
 class Vectors(NamedTuple):
@@ -85,7 +85,6 @@ def arm_of(machine: Machine) -> Arm:
         bucket.com_radius * sin(bend4),
         boom.mass,
         stick.mass,
-        bucket.mass,
         swing.inertia
         + boom.inertia
         + stick.inertia
@@ -94,6 +93,7 @@ def arm_of(machine: Machine) -> Arm:
         boom.inertia,
         stick.inertia,
         bucket.inertia,
+        bucket.mass,
     )
 
 

@@ -4,16 +4,16 @@ Each loop over the lanes becomes vector instructions: five times as fast as one 
 It takes all rows in one flat array, constant distances between them, lanes counted from 0, and
 functions that are inlined. Runs do not touch each other: their numbers are the same in any company.
 
-The equation of motion is `dynamics.terms`, compiled into the loop.
+The equation of motion is `dynamics.terms`, the choice of steps that of `plain`, both compiled in.
 """
 
 from __future__ import annotations
 
 from math import cos, sin
 
-import numpy as np
 from numba import njit
 
+from backhoe.arm.closed_loop import plain
 from backhoe.arm.closed_loop.rows import (
     A_FIRST,
     A_KEPT,
@@ -37,23 +37,9 @@ from backhoe.arm.closed_loop.rows import (
     V,
     W,
 )
+from backhoe.arm.closed_loop.task import COULOMB_SMOOTHING
 from backhoe.arm.dynamics import terms
 from backhoe.arm.dynamics.terms import Arm
-
-_BEND, _SHARE = 8.0, 0.05
-"""Within so many smoothing speeds of rest, a step changes a speed by such a share of one."""
-
-_SLOW, _NO_CHANGE, _IN_BEND = 4.0, 1e-5, 0.25
-"""Within so many smoothing speeds of rest, a speed that changes by more than that [rad/s] in a
-sample takes steps of that share of the time in which friction settles it."""
-
-_STABLE = 1.0
-"""Longest step anywhere, in times in which friction settles a slow speed."""
-
-_LONGEST_TURN = 0.1
-"""Largest turn of a link in one step [rad]: `_turned` is exact to rounding for twice as much."""
-
-_MOST_STEPS = 64.0
 
 call = njit(error_model="numpy")
 inline = njit(error_model="numpy", forceinline=True)
@@ -63,28 +49,26 @@ newton_euler = inline(terms.newton_euler)
 gravity_torques = inline(terms.gravity_torques)
 _inertias = inline(terms.inertias)
 _solve = inline(terms.solve_inertias)
+_steps = inline(plain.steps)
 
 
 @call
-def advance(S, T, arm, numbers, reference, rates, dt, lanes, wide):
+def advance(S, T, arm, friction, reference, settling, dt, lanes, wide):
     """One sample with the torque held, in more steps where Coulomb friction bends.
 
     All take the steps that suit the reference, then those that need more start again in T.
     """
-    common = 1
-    for k in range(4):
-        slow_steps = _slow_steps(reference[1, k], reference[2, k] * dt, numbers, rates[k], dt)
-        common = max(common, slow_steps)
+    common = _steps(reference[1], reference[2], plain.NO_FRICTION, settling, dt)
     copy_rows(S, Q, Q_KEPT, 8, wide)
     for j in range(wide):
         S[H * LANES + j] = dt / common
     for part in range(common):
-        _rk4(S, arm, numbers, wide)
+        _rk4(S, arm, friction, wide)
         if part == 0:
             copy_rows(S, A_FIRST, A_KEPT, 4, wide)
     again, most = 0, 0
     for j in range(lanes):
-        steps = _steps(S, numbers, rates, dt, j)
+        steps = _steps(four(S, W_KEPT, j), four(S, A_KEPT, j), friction[1], settling, dt)
         if steps > common:
             for row in range(ROWS):
                 T[row * LANES + again] = S[row * LANES + j]
@@ -100,7 +84,7 @@ def advance(S, T, arm, numbers, reference, rates, dt, lanes, wide):
         for j in range(wide):
             steps = T[STEPS * LANES + j]
             T[H * LANES + j] = dt / steps if part < steps else 0.0
-        _rk4(T, arm, numbers, wide)
+        _rk4(T, arm, friction, wide)
     compute_turns(T, arm, wide)
     for j in range(again):
         for row in range(TURNS + 6):
@@ -108,30 +92,19 @@ def advance(S, T, arm, numbers, reference, rates, dt, lanes, wide):
 
 
 @inline
-def _slow_steps(speed, change, numbers, rate, dt):
-    """Steps for a joint that passes slowly, where friction's bend settles its speed quickly."""
-    slow = abs(speed) < _SLOW * numbers[5, 0] and abs(change) > _NO_CHANGE
-    return int(np.ceil(min(dt * rate / (_IN_BEND if slow else _STABLE), _MOST_STEPS)))
-
-
-@inline
-def _steps(S, numbers, rates, dt, j):
-    """Steps in which a speed changes by a share of the bend, and a link turns little."""
-    most, turn = 1.0, 0.0
-    for k in range(4):
-        speed, change = abs(S[(W_KEPT + k) * LANES + j]), abs(S[(A_KEPT + k) * LANES + j]) * dt
-        if numbers[1, k] > 0 and speed < _BEND * numbers[5, 0] + change:
-            most = max(most, change / (_SHARE * numbers[5, 0]))
-        most = max(most, _slow_steps(speed, change, numbers, rates[k], dt))
-        turn += speed + change
-    most = max(most, turn * dt / _LONGEST_TURN)
-    return int(np.ceil(min(most, _MOST_STEPS)))
+def four(S, row, j):
+    return (
+        S[row * LANES + j],
+        S[(row + 1) * LANES + j],
+        S[(row + 2) * LANES + j],
+        S[(row + 3) * LANES + j],
+    )
 
 
 @call
-def _rk4(S, arm, numbers, lanes):
+def _rk4(S, arm, friction, lanes):
     """The classical Runge-Kutta step with the torque held, as long as each run's row says."""
-    smoothing = 1.0 / numbers[5, 0]
+    smoothing = 1.0 / COULOMB_SMOOTHING
     for row in range(4):
         for j in range(lanes):
             S[(A + row) * LANES + j] = S[(V + row) * LANES + j] = 0.0
@@ -140,7 +113,7 @@ def _rk4(S, arm, numbers, lanes):
         ahead = 0.0 if stage == 0 else 1.0 if stage == 3 else 1 / 2
         weight = 1 / 6 if stage in (0, 3) else 1 / 3
         for k in range(4):
-            viscous, coulomb = numbers[0, k], numbers[1, k]
+            viscous, coulomb = friction[0, k], friction[1, k]
             for j in range(lanes):
                 h = S[H * LANES + j]
                 c, b = ahead * h, weight * h
@@ -148,8 +121,8 @@ def _rk4(S, arm, numbers, lanes):
                 w = S[(W + k) * LANES + j] + c * S[(A + k) * LANES + j]
                 S[(V + k) * LANES + j] = w
                 S[(SUM_V + k) * LANES + j] += b * w
-                friction = viscous * w + coulomb * _tanh(smoothing * w)
-                S[(NET + k) * LANES + j] = S[(TAU + k) * LANES + j] - friction
+                taken = viscous * w + coulomb * _tanh(smoothing * w)
+                S[(NET + k) * LANES + j] = S[(TAU + k) * LANES + j] - taken
         for j in range(lanes):
             d2 = S[(SHIFT + 1) * LANES + j]
             d3 = d2 + S[(SHIFT + 2) * LANES + j]
@@ -159,9 +132,7 @@ def _rk4(S, arm, numbers, lanes):
             c4, s4 = _turned(S[(TURNS + 4) * LANES + j], S[(TURNS + 5) * LANES + j], d4)
             loaded = _loaded(arm, S[PAYLOAD * LANES + j])
             v = vectors(loaded, c2, s2, c3, s3, c4, s4)
-            w1, w2 = S[(V + 0) * LANES + j], S[(V + 1) * LANES + j]
-            w3, w4 = S[(V + 2) * LANES + j], S[(V + 3) * LANES + j]
-            bias = newton_euler(loaded, v, w1, w2, w3, w4, 0.0, 0.0, 0.0, 0.0)
+            bias = newton_euler(loaded, v, *four(S, V, j), 0.0, 0.0, 0.0, 0.0)
             a1, a2, a3, a4 = _solve(
                 _inertias(loaded, v),
                 S[(NET + 0) * LANES + j] - bias[0],
@@ -215,29 +186,7 @@ def copy_rows(S, source, target, rows, lanes):
 @inline
 def _loaded(arm, load):
     """The arm with a point mass at the bucket's centre of mass, as `variants.loaded`."""
-    return Arm(
-        arm.g,
-        arm.b1,
-        arm.z1,
-        arm.L2,
-        arm.L3,
-        arm.o2,
-        arm.o3,
-        arm.o4,
-        arm.along2,
-        arm.across2,
-        arm.along3,
-        arm.across3,
-        arm.along4,
-        arm.across4,
-        arm.m_bo,
-        arm.m_s,
-        arm.m_bu + load,
-        arm.I_yaw,
-        arm.I_bo,
-        arm.I_s,
-        arm.I_bu,
-    )
+    return Arm(*arm[:-1], arm.m_bu + load)
 
 
 @inline

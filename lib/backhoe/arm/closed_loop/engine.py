@@ -1,6 +1,7 @@
 """Closed loops of the arm side by side, compiled: the sampled law, and what is measured of it.
 
-`step_kernels` moves the arm from one sample to the next and says why the loops look as they do.
+`plain` is the same law for one run, to be read; `step_engine` moves the arm from one sample to the
+next and says why the loops look as they do.
 """
 
 from __future__ import annotations
@@ -28,11 +29,12 @@ from backhoe.arm.closed_loop.rows import (
     Q,
     W,
 )
-from backhoe.arm.closed_loop.step_kernels import (
+from backhoe.arm.closed_loop.step_engine import (
     advance,
     call,
     compute_turns,
     copy_rows,
+    four,
     gravity_torques,
     inline,
     newton_euler,
@@ -50,43 +52,21 @@ _REFRESH = 16
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def run(
-    arm,
-    numbers,
-    model,
-    law,
-    runs,
-    reference,
-    rates,
-    sampling,
-    log_every,
-    log_of,
-    logs,
-    measures,
-):
+def run(loop, runs, log, measures):
     """Follow a reference with some runs at once.
 
     Args:
-        arm: the `Arm` that moves, without payload.
-        numbers: viscous friction [N m s/rad], Coulomb friction [N m], torque limit [N m], lower and
-            upper joint limit [rad], and in the first place of the last row the speed that smooths
-            Coulomb friction [rad/s], shape (6, 4).
-        model: the `Arm` that the law believes in.
-        law: PID, PID_GRAVITY or COMPUTED_TORQUE.
+        loop: the `Loop` that all runs share.
         runs: kp, ki, kd, q, dq, integral of the error of each run at the start, and its payload in
             the first place of the last row, shape (n, 7, 4), n at most `LANES`.
-        reference: q, dq, ddq, shape (3, m, 4) [rad, rad/s, rad/s^2].
-        rates: at which Coulomb friction settles a slow speed there, shape (m, 4) [1/s].
-        sampling: dt [s], samples between two readings of the joints, 1 for a derivative from
-            measured speeds or 0 from differences, filter time of the latter [s], and the error
-            [rad] and speed [rad/s] from which on a run counts as diverged.
-        log_every, log_of, logs: every which sample of run i goes into logs[log_of[i]], shape
-            (rows, 3, 4): q, dq, torque; -1 for none.
+        log: the `Log` of what is recorded.
         measures: filled in, shape (n, 7, 4).
 
     Returns:
         Samples that each run took: m, or fewer if it diverged, shape (n,).
     """
+    arm, model, law, joints, reference, settling, sampling = loop
+    friction, limit, lower, upper = joints
     dt, hold, measured, filter_time, largest_error, largest_speed = sampling
     samples = reference.shape[1]
     lanes = len(runs)
@@ -104,10 +84,10 @@ def run(
         _feed_back(S, reference[:, i], measured, filter_time, dt, i, wide)
         if law != PID:
             _add_model(S, model, law, reference[2, i], lanes)
-        _saturate(S, numbers, dt, wide)
-        _measure(S, M, reference[0, i], numbers, i < samples - 1, wide)
-        if i % log_every == 0:
-            _log(S, logs, log_of, run_of, i // log_every, lanes)
+        _saturate(S, limit, dt, wide)
+        _measure(S, M, reference[0, i], lower, upper, i < samples - 1, wide)
+        if i % log.every == 0:
+            _write(S, log, run_of, i // log.every, lanes)
         if _all_fine(S, reference[0, i], largest_error, largest_speed, lanes) < lanes:
             for j in range(lanes - 1, -1, -1):
                 if not _fine(S, reference[0, i], largest_error, largest_speed, j):
@@ -116,7 +96,7 @@ def run(
         if lanes == 0:
             break
         if i < samples - 1:
-            advance(S, T, arm, numbers, reference[:, i], rates[i], dt, lanes, wide)
+            advance(S, T, arm, friction, reference[:, i], settling[i], dt, lanes, wide)
     for j in range(lanes - 1, -1, -1):
         _drop(S, M, run_of, measures, j, j + 1)
     return taken
@@ -184,26 +164,21 @@ def _add_model(S, model, law, ddq_ref, lanes):
             tau = newton_euler(
                 model,
                 v,
-                S[(W_SEEN + 0) * LANES + j],
-                S[(W_SEEN + 1) * LANES + j],
-                S[(W_SEEN + 2) * LANES + j],
-                S[(W_SEEN + 3) * LANES + j],
+                *four(S, W_SEEN, j),
                 ddq_ref[0] + S[(WANTED + 0) * LANES + j],
                 ddq_ref[1] + S[(WANTED + 1) * LANES + j],
                 ddq_ref[2] + S[(WANTED + 2) * LANES + j],
                 ddq_ref[3] + S[(WANTED + 3) * LANES + j],
             )
-            S[(WANTED + 0) * LANES + j] = tau[0]
-            S[(WANTED + 1) * LANES + j] = tau[1]
-            S[(WANTED + 2) * LANES + j] = tau[2]
-            S[(WANTED + 3) * LANES + j] = tau[3]
+            for k in range(4):
+                S[(WANTED + k) * LANES + j] = tau[k]
 
 
 @call
-def _saturate(S, numbers, dt, lanes):
+def _saturate(S, limits, dt, lanes):
     """The torque within its limit; the integral goes on unless that pushes further out."""
     for k in range(4):
-        limit = numbers[2, k]
+        limit = limits[k]
         for j in range(lanes):
             wanted, error = S[(WANTED + k) * LANES + j], S[(LAST + k) * LANES + j]
             given = min(max(wanted, -limit), limit)
@@ -214,14 +189,14 @@ def _saturate(S, numbers, dt, lanes):
 
 
 @call
-def _measure(S, M, q_ref, numbers, applied, lanes):
+def _measure(S, M, q_ref, lower, upper, applied, lanes):
     weight = 1.0 if applied else 0.0
     for k in range(4):
-        lower, upper, reference = numbers[3, k], numbers[4, k], q_ref[k]
+        least, most, reference = lower[k], upper[k], q_ref[k]
         for j in range(lanes):
             q, given = S[(Q + k) * LANES + j], S[(TAU + k) * LANES + j]
             error, torque = reference - q, abs(given)
-            outside = max(lower - q, q - upper)
+            outside = max(least - q, q - most)
             limited = weight if given != S[(WANTED + k) * LANES + j] else 0.0
             M[(4 * ERRORS + k) * LANES + j] += error * error
             M[(4 * PEAK_ERRORS + k) * LANES + j] = max(
@@ -237,14 +212,14 @@ def _measure(S, M, q_ref, numbers, applied, lanes):
 
 
 @call
-def _log(S, logs, log_of, run_of, row, lanes):
+def _write(S, log, run_of, row, lanes):
     for j in range(lanes):
-        log = log_of[run_of[j]]
-        if log >= 0:
+        of = log.of[run_of[j]]
+        if of >= 0:
             for k in range(4):
-                logs[log, row, 0, k] = S[(Q + k) * LANES + j]
-                logs[log, row, 1, k] = S[(W + k) * LANES + j]
-                logs[log, row, 2, k] = S[(TAU + k) * LANES + j]
+                log.rows[of, row, 0, k] = S[(Q + k) * LANES + j]
+                log.rows[of, row, 1, k] = S[(W + k) * LANES + j]
+                log.rows[of, row, 2, k] = S[(TAU + k) * LANES + j]
 
 
 @inline

@@ -33,7 +33,8 @@ def nees(errors: ArrayLike, covariances: ArrayLike, angles: Sequence[int] = ()) 
         ValueError: shapes that do not fit, numbers that are not finite, or a covariance that is not
             positive definite.
     """
-    return _squared(errors, covariances, angles, "errors", "covariances")
+    e, L = _factored(errors, covariances, angles, "errors", "covariances")
+    return np.sum(np.linalg.solve(L, e[..., None])[..., 0] ** 2, axis=-1)  # P = L L^T
 
 
 def nis(innovations: ArrayLike, S: ArrayLike, angles: Sequence[int] = ()) -> NDArray:
@@ -50,7 +51,8 @@ def nis(innovations: ArrayLike, S: ArrayLike, angles: Sequence[int] = ()) -> NDA
     Raises:
         ValueError: as for `nees`.
     """
-    return _squared(innovations, S, angles, "innovations", "S")
+    y, L = _factored(innovations, S, angles, "innovations", "S")
+    return np.sum(np.linalg.solve(L, y[..., None])[..., 0] ** 2, axis=-1)  # S = L L^T
 
 
 def chi_square_band(dof: int, runs: int = 1, probability: float = 0.95) -> tuple[float, float]:
@@ -120,7 +122,10 @@ def ellipse(mean: ArrayLike, P: ArrayLike, probability: float = 0.95, points: in
     return mean + radius * (circle * np.sqrt(np.maximum(variances, 0))) @ axes.T
 
 
-def _squared(e: ArrayLike, P: ArrayLike, angles: Sequence[int], one: str, other: str) -> NDArray:
+def _factored(
+    e: ArrayLike, P: ArrayLike, angles: Sequence[int], one: str, other: str
+) -> tuple[NDArray, NDArray]:
+    """e with its angles wrapped, and the lower triangle L of P = L L^T."""
     e, P = numbers(e, one), real_numbers(P, other)
     if e.ndim < 1 or P.shape != (*e.shape, e.shape[-1]):
         raise ValueError(
@@ -131,11 +136,9 @@ def _squared(e: ArrayLike, P: ArrayLike, angles: Sequence[int], one: str, other:
     if asymmetry > 1e-9 * np.abs(P).max(initial=0.0):
         raise ValueError(f"{other} must be symmetric")
     try:
-        roots = np.linalg.cholesky(P)
+        return residual(e, 0 * e, angles), np.linalg.cholesky(P)
     except np.linalg.LinAlgError as error:
         raise ValueError(f"{other} must be positive definite, and one is not") from error
-    scaled = np.linalg.solve(roots, residual(e, 0 * e, angles)[..., None])[..., 0]
-    return np.sum(scaled**2, axis=-1)
 
 
 def _share(probability: float) -> float:

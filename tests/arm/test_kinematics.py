@@ -227,31 +227,6 @@ def test_elbow_up_has_the_stick_joint_above_that_of_elbow_down(postures):
     assert (heights[0] > heights[1]).all()
 
 
-def test_inverse_tip_undoes_forward_kinematics_of_the_tip(postures):
-    tip = kinematics.forward_kinematics(postures)[:, :3, 3]
-    pitch = postures[:, 1:].sum(axis=1) + sum(body.angle_offset for body in BACKHOE.links)
-    q = kinematics.inverse_tip(np.column_stack([tip, pitch]))
-    np.testing.assert_allclose(q, postures, atol=1e-12)
-
-
-def test_inverse_tip_takes_any_turn_of_the_same_pitch(postures):
-    tip = kinematics.forward_kinematics(postures)[:, :3, 3]
-    pitch = postures[:, 1:].sum(axis=1) + sum(body.angle_offset for body in BACKHOE.links)
-    once_more = kinematics.inverse_tip(np.column_stack([tip, pitch + 2 * np.pi]))
-    np.testing.assert_allclose(once_more, postures, atol=1e-12)
-
-
-def test_inverse_tip_reaches_a_tip_that_is_behind_the_swing_axis():
-    q = np.array([0.3, 1.0, -1.0, -0.3])
-    T = kinematics.forward_kinematics(q)
-    stick = kinematics.forward_kinematics(q, "stick")
-    outwards = np.array([-np.sin(q[0]), np.cos(q[0])])
-    assert outwards @ (T[:2, 3] - [BACKHOE.base.offset, 0]) > 0
-    assert outwards @ (T[:2, 3] - stick[:2, 3]) < 0
-    pitch = q[1:].sum() + sum(body.angle_offset for body in BACKHOE.links)
-    np.testing.assert_allclose(kinematics.inverse_tip([*T[:3, 3], pitch]), q, atol=1e-12)
-
-
 def test_swing_lies_in_the_half_open_turn(rng):
     angle = np.r_[rng.uniform(-np.pi, np.pi, 1000), 0, np.pi / 2, np.pi, -np.pi / 2]
     x, y = BACKHOE.base.offset + 5 * np.cos(angle), 5 * np.sin(angle)
@@ -362,11 +337,6 @@ def test_targets_without_a_solution_become_nan_on_request_and_the_others_stay(rn
     for one in target[bad][:50]:
         with pytest.raises(ValueError, match="target"):
             kinematics.inverse_kinematics(one)
-
-
-def test_inverse_tip_out_of_reach_message_gives_the_pitch():
-    with pytest.raises(ValueError, match=r"at a bucket pitch of -90.0 deg is .* outside the reach"):
-        kinematics.inverse_tip([11, 0, 1, -np.pi / 2])
 
 
 # Damped least squares
@@ -482,16 +452,16 @@ def test_out_of_reach_target_leaves_the_damped_arm_stretched_towards_it(damping)
             r"must end in 4 joints \(swing, boom, stick, bucket\), got shape \(2, 3\)",
         ),
         (1.0, r"must end in 4 joints .* got shape \(\)"),
-        ([0, 0, np.nan, 0], "q must be finite, got nan at index \\(2,\\)"),
+        ([0, 0, np.nan, 0], "q must be finite, got nan at index 2"),
         ([[0, 0, 0, 0], [0, 0, 0, np.inf]], r"q must be finite, got inf at index \(1, 3\)"),
-        ("abcd", "q must be numbers for the 4 joints"),
-        ([0, 0, None, "x"], "q must be numbers for the 4 joints"),
-        ([[0, 0, 0, 0], [0, 0]], "q must be numbers for the 4 joints"),
-        (np.array([1j, 0, 0, 0]), "q must be numbers for the 4 joints"),
-        (["0", "0", "0", "0"], "q must be numbers for the 4 joints"),
-        (np.array(["1", 0, 0, 0], dtype=object), "q must be numbers for the 4 joints"),
-        (np.arange(4).astype("timedelta64[s]"), "q must be numbers for the 4 joints"),
-        ([10**400, 0, 0, 0], "q must be numbers for the 4 joints"),
+        ("abcd", "q must be numbers, got"),
+        ([0, 0, None, "x"], "q must be numbers, got"),
+        ([[0, 0, 0, 0], [0, 0]], "q must be numbers, got"),
+        (np.array([1j, 0, 0, 0]), "q must be numbers, got"),
+        (["0", "0", "0", "0"], "q must be numbers, got"),
+        (np.array(["1", 0, 0, 0], dtype=object), "q must be numbers, got"),
+        (np.arange(4).astype("timedelta64[s]"), "q must be numbers, got"),
+        ([10**400, 0, 0, 0], "q must be numbers, got"),
     ],
 )
 def test_bad_joint_angles_are_refused(function, q, message):
@@ -502,42 +472,45 @@ def test_bad_joint_angles_are_refused(function, q, message):
 @pytest.mark.parametrize("function", [kinematics.forward_kinematics, kinematics.jacobian])
 @pytest.mark.parametrize("frame", ["bucket", "", None, 3])
 def test_unknown_frame_is_refused_with_the_list_of_frames(function, frame):
-    with pytest.raises(
-        ValueError, match=r"unknown frame .*: the frames are swing, boom, stick, tip"
-    ):
+    with pytest.raises(ValueError, match="frame must be one of swing, boom, stick, tip"):
         function(np.zeros(4), frame)
 
 
-@pytest.mark.parametrize("function", [kinematics.inverse_kinematics, kinematics.inverse_tip])
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (([1, 2, 3],), r"target must end in 4 values \(x, y, z, angle\), got shape \(3,\)"),
         ((5.0,), r"got shape \(\)"),
-        (([5, 0, np.nan, 0],), r"target must be finite, got nan at index \(2,\)"),
+        (([5, 0, np.nan, 0],), "target must be finite, got nan at index 2"),
         (("here",), "target must be numbers"),
         ((np.array([5, 0, 2, 1j]),), "target must be numbers"),
         ((["5", "0", "2", "0"],), "target must be numbers"),
-        (([5, 0, 2, 0], ["up"]), 'elbow must be "up" or "down"'),
-        (([5, 0, 2, 0], "left"), 'elbow must be "up" or "down", got \'left\''),
-        (([5, 0, 2, 0], "up", BACKHOE, True, "ignore"), 'on_failure must be "raise" or "nan"'),
+        (([5, 0, 2, 0], ["up"]), "elbow must be one of up, down"),
+        (([5, 0, 2, 0], "left"), "elbow must be one of up, down, got 'left'"),
+        (([5, 0, 2, 0], "up", BACKHOE, True, "ignore"), "on_failure must be one of raise, nan"),
     ],
 )
-def test_bad_targets_are_refused(function, arguments, message):
+def test_bad_targets_are_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        function(*arguments)
+        kinematics.inverse_kinematics(*arguments)
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: kinematics.damped_inverse(np.eye(3), -0.1), "damping must be finite and not neg"),
-        (lambda: kinematics.damped_inverse(np.ones(3), 0.1), r"must be a matrix, .* shape \(3,\)"),
+        (lambda: kinematics.damped_inverse(np.eye(3), -0.1), "damping must not be negative"),
+        (
+            lambda: kinematics.damped_inverse(np.ones(3), 0.1),
+            r"J must be matrices, .* shape \(3,\)",
+        ),
         (lambda: kinematics.damped_inverse(np.eye(3) * np.nan, 0.1), "J must be finite"),
         (lambda: kinematics.damped_inverse(np.eye(3) * 1j, 0.1), "J must be numbers"),
-        (lambda: kinematics.damped_inverse(np.eye(3), "some"), "damping must be a number"),
-        (lambda: kinematics.adaptive_damping(np.eye(3), -1.0), "largest must not be negative"),
-        (lambda: kinematics.adaptive_damping(np.ones(3)), r"must be a matrix, .* shape \(3,\)"),
+        (lambda: kinematics.damped_inverse(np.eye(3), "some"), "damping must be numbers"),
+        (
+            lambda: kinematics.adaptive_damping(np.eye(3), -1.0),
+            "largest must be one number at least 0",
+        ),
+        (lambda: kinematics.adaptive_damping(np.ones(3)), r"J must be matrices, .* shape \(3,\)"),
         (lambda: kinematics.adaptive_damping(np.eye(3) * np.nan), "J must be finite"),
         (
             lambda: kinematics.solve_damped(np.ones((2, 4)), np.zeros((3, 4))),
@@ -547,8 +520,17 @@ def test_bad_targets_are_refused(function, arguments, message):
         (lambda: kinematics.solve_damped([5, 0, 2, 0], np.zeros(3)), "q0 must end in 4 joints"),
         (
             lambda: kinematics.solve_damped([5, 0, 2, 0], np.zeros(4), tolerance=0),
-            "tolerance must be positive, got 0",
+            "tolerance must be one number above 0, got 0",
         ),
+        (
+            lambda: kinematics.solve_damped([5, 0, 2, 0], np.zeros(4), damping=-0.1),
+            "damping must be one number at least 0, got -0.1",
+        ),
+        (
+            lambda: kinematics.solve_damped([5, 0, 2, 0], np.zeros(4), max_iterations=2.5),
+            "max_iterations must be one whole number at least 1, got 2.5",
+        ),
+        (lambda: kinematics.dh_transform("q1", 0, 0, 0), "theta must be numbers, got 'q1'"),
     ],
 )
 def test_other_bad_input_is_refused(call, message):

@@ -21,7 +21,7 @@ from backhoe.arm.kinematics.forward import (
     link_transforms,
     pose,
 )
-from backhoe.arm.kinematics.inverse import inverse_kinematics, inverse_tip
+from backhoe.arm.kinematics.inverse import inverse_kinematics
 
 __all__ = [
     "FRAMES",
@@ -31,7 +31,6 @@ __all__ = [
     "dh_transform",
     "forward_kinematics",
     "inverse_kinematics",
-    "inverse_tip",
     "jacobian",
     "joint_vector",
     "link_transforms",

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.kinematics.forward import jacobian, joint_vector, leading_shape, pose
-from backhoe.arm.kinematics.inverse import target_vector
-from backhoe.basics.inputs import real_array
+from backhoe.arm.kinematics.inverse import TARGET
+from backhoe.basics.inputs import not_negative, numbers, positive, whole
 from backhoe.machine import BACKHOE, Machine
 
 _AT_REST = 1e-6
@@ -75,9 +75,9 @@ def damped_inverse(J: ArrayLike, damping: ArrayLike) -> NDArray:
     Raises:
         ValueError: J is not a matrix, a value is not finite, or damping is negative.
     """
-    J, damping = _matrices(J), real_array(damping, "damping must be a number")
-    if not (np.isfinite(damping) & (damping >= 0)).all():
-        raise ValueError(f"damping must be finite and not negative, got {damping}")
+    J, damping = _matrices(J), numbers(damping, "damping")
+    if (damping < 0).any():
+        raise ValueError(f"damping must not be negative, got {damping}")
     U, sigma, V_T = np.linalg.svd(J, full_matrices=False)
     gain = _damped_reciprocal(sigma, damping[..., None])
     return np.einsum("...ki,...k,...jk->...ij", V_T, gain, U)
@@ -101,10 +101,7 @@ def adaptive_damping(J: ArrayLike, largest: float = 0.1, threshold: float = 0.2)
         ValueError: J is not a matrix, a value is not finite, largest is negative, or threshold is
             not positive.
     """
-    if not largest >= 0 or not threshold > 0:
-        raise ValueError(
-            f"largest must not be negative and threshold positive, got {largest!r}, {threshold!r}"
-        )
+    largest, threshold = not_negative(largest, "largest"), positive(threshold, "threshold")
     sigma_min = np.linalg.svd(_matrices(J), compute_uv=False)[..., -1]
     return largest * np.sqrt(np.clip(1 - (sigma_min / threshold) ** 2, 0.0, None))
 
@@ -142,14 +139,11 @@ def solve_damped(
         ValueError: a last axis is not 4, leading axes do not fit each other, a value is not finite,
             damping is negative, or tolerance, max_iterations or max_step is not positive.
     """
-    for name, value in (
-        ("tolerance", tolerance),
-        ("max_iterations", max_iterations),
-        ("max_step", max_step),
-    ):
-        if not value > 0:
-            raise ValueError(f"{name} must be positive, got {value!r}")
-    target, q0 = target_vector(target), joint_vector(q0, "q0")
+    tolerance, max_step = positive(tolerance, "tolerance"), positive(max_step, "max_step", "rad")
+    whole(max_iterations, "max_iterations", least=1)
+    if damping is not None:
+        not_negative(damping, "damping")
+    target, q0 = numbers(target, "target", (..., 4), meaning=TARGET), joint_vector(q0, "q0")
     q = np.array(np.broadcast_to(q0, (*leading_shape(target, q0), 4)))
     path = [q]
     residual = target - pose(q, machine)
@@ -187,12 +181,7 @@ def _step_nearer(
 
 
 def _matrices(J: ArrayLike) -> NDArray:
-    J = real_array(J, "J must be numbers")
-    if J.ndim < 2:
-        raise ValueError(f"J must be a matrix, shape (..., m, n), got shape {J.shape}")
-    if not np.isfinite(J).all():
-        raise ValueError("J must be finite")
-    return J
+    return numbers(J, "J", (..., "m", "n"), meaning="matrices")
 
 
 def _damped_reciprocal(sigma: NDArray, damping: NDArray) -> NDArray:

@@ -18,12 +18,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import choice, numbers
 from backhoe.machine import BACKHOE, JOINTS, Machine
 
 FRAMES = ("swing", "boom", "stick", "tip", "swing_com", "boom_com", "stick_com", "bucket_com")
 
-_NAMES = ", ".join(JOINTS)
+_MEANING = f"joints ({', '.join(JOINTS)})"
 
 
 class _Point(NamedTuple):
@@ -39,7 +39,7 @@ def joint_vector(q: ArrayLike, name: str = "q") -> NDArray:
     """`q` as an array of floats with one value a joint, checked.
 
     Args:
-        q: one value a joint (swing, boom, stick, bucket), shape (..., 4).
+        q: one value a joint (swing, boom, stick, bucket) of any unit, shape (..., 4).
         name: what the error message calls it.
 
     Returns:
@@ -48,13 +48,7 @@ def joint_vector(q: ArrayLike, name: str = "q") -> NDArray:
     Raises:
         ValueError: the last axis is not 4, or a value is not a finite number.
     """
-    vector = real_array(q, f"{name} must be numbers for the 4 joints ({_NAMES})")
-    if vector.ndim == 0 or vector.shape[-1] != 4:
-        raise ValueError(f"{name} must end in 4 joints ({_NAMES}), got shape {vector.shape}")
-    one = vector.ndim == 1
-    if not (all(map(math.isfinite, vector.tolist())) if one else np.isfinite(vector).all()):
-        raise ValueError(f"{name} must be finite, got {_first_bad(vector)}")
-    return vector
+    return numbers(q, name, (..., 4), meaning=_MEANING)
 
 
 def leading_shape(*vectors: NDArray) -> tuple[int, ...]:
@@ -85,9 +79,11 @@ def dh_transform(theta: ArrayLike, d: ArrayLike, a: ArrayLike, alpha: ArrayLike)
         T = Rot_z(theta) Trans_z(d) Trans_x(a) Rot_x(alpha), shape (..., 4, 4).
 
     Raises:
-        ValueError: the shapes do not fit each other.
+        ValueError: a value is not a finite number, or the shapes do not fit each other.
     """
-    theta, d, a, alpha = np.broadcast_arrays(theta, d, a, alpha)
+    row = {"theta": theta, "d": d, "a": a, "alpha": alpha}
+    checked = [numbers(value, name) for name, value in row.items()]
+    theta, d, a, alpha = np.broadcast_arrays(*checked)
     T = np.zeros((*theta.shape, 4, 4))
     T[..., 0, 0] = np.cos(theta)
     T[..., 0, 1] = -np.sin(theta) * np.cos(alpha)
@@ -224,9 +220,7 @@ def pose(q: ArrayLike, machine: Machine = BACKHOE) -> NDArray:
 
 
 def _link_of(frame: str) -> int:
-    if frame not in FRAMES:
-        raise ValueError(f"unknown frame {frame!r}: the frames are {', '.join(FRAMES)}")
-    return FRAMES.index(frame) % 4
+    return FRAMES.index(choice(frame, "frame", FRAMES)) % 4
 
 
 def _swing_direction(q: NDArray) -> tuple:
@@ -289,8 +283,3 @@ def _write_pose(
     T[..., 2, 3] = point.z
     T[..., 3, :3] = 0.0
     T[..., 3, 3] = 1.0
-
-
-def _first_bad(vector: NDArray) -> str:
-    index = tuple(int(i) for i in np.argwhere(~np.isfinite(vector))[0])
-    return f"{vector[index]} at index {index}"

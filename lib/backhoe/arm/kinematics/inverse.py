@@ -9,15 +9,17 @@ A solution may pass a joint limit by 1e-9 rad, so that a pose at the limit survi
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import cos, degrees, hypot, pi, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import choice, numbers
 from backhoe.basics.tiles import for_each_tile
 from backhoe.machine import BACKHOE, JOINTS, Machine
+
+TARGET = "values (x, y, z, angle)"
+"""What a target must be, for errors."""
 
 _ELBOWS = {"up": -1.0, "down": 1.0}
 _FAILURES = ("raise", "nan")
@@ -58,79 +60,18 @@ def inverse_kinematics(
             and unless on_failure is "nan": a target is out of reach, on the swing axis, or outside
             a joint's limits.
     """
-    return _solve_all(_stick_to, target, elbow, machine, limits, on_failure)
-
-
-def inverse_tip(
-    target: ArrayLike,
-    elbow: str = "up",
-    machine: Machine = BACKHOE,
-    limits: bool | None = None,
-    on_failure: str = "raise",
-) -> NDArray:
-    """Joint angles that bring the bucket's tip to a point with the bucket at a pitch.
-
-    Source: ours.
-
-    Args:
-        target: x, y, z of the bucket's tip in the base frame [m] and the pitch of the bucket [rad]:
-            the angle above the horizontal of the line from its joint to its tip, seen outwards.
-            Shape (..., 4).
-        elbow, limits, on_failure: as for `inverse_kinematics`.
-
-    Returns:
-        Joint angles swing, boom, stick, bucket, shape (..., 4) [rad], in (-pi, pi].
-
-    Raises:
-        ValueError: as for `inverse_kinematics`.
-    """
-    return _solve_all(_tip_to, target, elbow, machine, limits, on_failure)
-
-
-def target_vector(target: ArrayLike) -> NDArray:
-    """`target` as an array of floats that ends in x, y, z and an angle, checked.
-
-    Args:
-        target: positions [m] with an angle [rad], shape (..., 4).
-
-    Returns:
-        The same numbers, shape (..., 4), not copied when they are an array of floats already.
-
-    Raises:
-        ValueError: the last axis is not 4, or a value is not a finite number.
-    """
-    target = real_array(target, "target must be numbers (x, y, z, angle)")
-    if target.ndim == 0 or target.shape[-1] != 4:
-        raise ValueError(f"target must end in 4 values (x, y, z, angle), got shape {target.shape}")
-    if not np.isfinite(target).all():
-        index = tuple(int(i) for i in np.argwhere(~np.isfinite(target))[0])
-        raise ValueError(f"target must be finite, got {target[index]} at index {index}")
-    return target
-
-
-def _solve_all(
-    solve: Callable,
-    target: ArrayLike,
-    elbow: str,
-    machine: Machine,
-    limits: bool | None,
-    on_failure: str,
-) -> NDArray:
-    """Solve tile by tile, then deal with what has no solution."""
-    target = target_vector(target)
-    if not isinstance(elbow, str) or elbow not in _ELBOWS:
-        raise ValueError(f'elbow must be "up" or "down", got {elbow!r}')
-    if on_failure not in _FAILURES:
-        raise ValueError(f'on_failure must be "raise" or "nan", got {on_failure!r}')
+    target = numbers(target, "target", (..., 4), meaning=TARGET)
+    bend = _ELBOWS[choice(elbow, "elbow", _ELBOWS)]
+    choice(on_failure, "on_failure", _FAILURES)
     if limits is None:
-        limits = _can_bend(_ELBOWS[elbow], machine)
+        limits = _can_bend(bend, machine)
     targets = target.reshape(-1, 4)
     q = np.empty_like(targets)
     solved = np.empty(len(targets), dtype=bool)
 
     def solve_tile(tile: slice) -> None:
         with np.errstate(invalid="ignore"):
-            angles = solve(np.ascontiguousarray(targets[tile].T), _ELBOWS[elbow], machine)
+            angles = _angles_to(np.ascontiguousarray(targets[tile].T), bend, machine)
             for joint, angle in enumerate(angles):
                 q[tile, joint] = angle
             solved[tile] = _within(angles, machine) if limits else np.isfinite(angles[1])
@@ -140,27 +81,17 @@ def _solve_all(
         failed = np.flatnonzero(~solved)
         if on_failure == "raise":
             first = failed[0]
-            reason = _reason(solve, targets[first], q[first], machine)
+            reason = _reason(targets[first], q[first], machine)
             raise ValueError(_located(reason, first, len(failed), target.shape[:-1]))
         q[failed] = np.nan
     return q.reshape(target.shape)
 
 
-def _stick_to(target: NDArray, bend: float, machine: Machine) -> tuple:
-    """`inverse_kinematics` of one tile, target (4, n); four angles (n,), NaN out of reach."""
+def _angles_to(target: NDArray, bend: float, machine: Machine) -> tuple:
+    """The solution for one tile, target (4, n); four angles (n,), NaN out of reach."""
     x, y, z, bucket = target
     swing, r = _swing_to(x, y, machine)
     return swing, *_boom_and_stick_to(r, z, bend, machine), bucket
-
-
-def _tip_to(target: NDArray, bend: float, machine: Machine) -> tuple:
-    """`inverse_tip` of one tile, target (4, n); four angles (n,), NaN out of reach."""
-    x, y, z, pitch = target
-    swing, r = _swing_to(x, y, machine)
-    r, z = _bucket_joint(r, z, pitch, machine)
-    boom, stick = _boom_and_stick_to(r, z, bend, machine)
-    bucket = pitch - boom - stick - sum(link.angle_offset for link in machine.links)
-    return swing, boom, stick, _wrapped(bucket)
 
 
 def _swing_to(x: NDArray, y: NDArray, machine: Machine) -> tuple[NDArray, NDArray]:
@@ -171,12 +102,6 @@ def _swing_to(x: NDArray, y: NDArray, machine: Machine) -> tuple[NDArray, NDArra
     _replace(swing, swing <= -pi, pi)
     _replace(r, r <= _ON_AXIS, np.nan)
     return swing, r
-
-
-def _bucket_joint(r: NDArray, z: NDArray, pitch: NDArray, machine: Machine) -> tuple:
-    """The bucket's joint in the plane of the arm, from its tip and its pitch."""
-    length = machine.bucket.length
-    return r - length * np.cos(pitch), z - length * np.sin(pitch)
 
 
 def _boom_and_stick_to(r: NDArray, z: NDArray, bend: float, machine: Machine) -> tuple:
@@ -215,10 +140,6 @@ def _replace(values: NDArray, where: NDArray, by: float) -> None:
         values[where] = by
 
 
-def _wrapped(angle: NDArray) -> NDArray:
-    return pi - np.mod(pi - angle, 2 * pi)
-
-
 def _within(angles: tuple, machine: Machine) -> NDArray:
     """Where all four joint angles are within their limits; NaN is not."""
     good = True
@@ -234,18 +155,15 @@ def _can_bend(bend: float, machine: Machine) -> bool:
     return max(bend * (joint.lower + offset), bend * (joint.upper + offset)) > 0
 
 
-def _reason(solve: Callable, target: NDArray, q: NDArray, machine: Machine) -> str:
+def _reason(target: NDArray, q: NDArray, machine: Machine) -> str:
     """Why one target has no solution, in words."""
-    x, y, z, angle = target.tolist()
+    x, y, z, _ = target.tolist()
     where = f"target ({round(x, 3)}, {round(y, 3)}, {round(z, 3)}) m"
     r = hypot(x - machine.base.offset, y)
     if r <= _ON_AXIS:
         return f"{where} lies on the swing axis, where every swing angle fits: move it off the axis"
     if np.isfinite(q).all():
         return f"{where} needs {_worst_joint(q, machine)}"
-    if solve is _tip_to:
-        r, z = _bucket_joint(r, z, angle, machine)
-        where += f" at a bucket pitch of {degrees(angle):.1f} deg"
     distance = hypot(*_from_boom_joint(r, z, machine))
     L2, L3 = machine.boom.length, machine.stick.length
     if distance > L2 + L3:

@@ -153,11 +153,20 @@ def test_systems_have_names():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: linearise.arm(np.zeros((2, 4))), r"one posture of 4 joint angles, got shape \(2"),
-        (lambda: linearise.arm([0, 0, np.nan, 0]), "finite"),
-        (lambda: linearise.arm(Q, gains=THESIS[:2]), "gains must be kp, ki and kd"),
-        (lambda: linearise.arm(Q, gains=(1.0, 2.0, 3.0)), "kp must be 4 finite gains"),
-        (lambda: linearise.arm(Q, gains=(*THESIS[:2], np.full(4, np.inf))), "kd must be 4 finite"),
+        (lambda: linearise.arm(np.zeros((2, 4))), r"q must be one posture .* got shape \(2"),
+        (lambda: linearise.arm([0, 0, np.nan, 0]), "q must be finite"),
+        (
+            lambda: linearise.arm(Q, gains=THESIS[:2]),
+            r"gains must be kp, ki and kd .* got shape \(2, 4\)",
+        ),
+        (
+            lambda: linearise.arm(Q, gains=(1.0, 2.0, 3.0)),
+            r"gains must be kp, ki and kd .* got shape \(3,\)",
+        ),
+        (
+            lambda: linearise.arm(Q, gains=(*THESIS[:2], np.full(4, np.inf))),
+            r"gains must be finite, got inf at index \(2, 0\)",
+        ),
         (lambda: linearise.arm(Q, gains=THESIS, law="computed_torque"), "law must be one of pid"),
         (lambda: linearise.loop(Q, THESIS, "arm"), "joint must be one of swing"),
     ],

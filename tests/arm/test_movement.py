@@ -111,15 +111,18 @@ POSTURES = np.zeros((3, 4))
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (([0, 1, 2], np.zeros((2, 4))), r"postures must have shape \(3, 4\)"),
-        (([0, 2, 1], POSTURES), "times must rise from 0"),
+        (
+            ([0, 1, 2], np.zeros((2, 4))),
+            r"postures must be joint angles .*, shape \(3, 4\), got shape \(2, 4\)",
+        ),
+        (([0, 2, 1], POSTURES), "times must rise: 2.0 s at index 1 is followed by 1.0 s"),
         (([1, 2, 3], POSTURES), "times must rise from 0"),
-        (([0.0], POSTURES[:1]), "2 or more finite times"),
-        (([0, np.nan, 2], POSTURES), "finite times"),
+        (([0.0], POSTURES[:1]), "times must be a row of 2 or more times, got 1"),
+        (([0, np.nan, 2], POSTURES), "times must be finite, got nan at index 1"),
         (([0, 1, 2.0005], POSTURES), "multiples of dt"),
-        (([0, 1, 2], POSTURES, 0.0), "dt must be a positive time"),
-        (([0, 1, 2], POSTURES * np.nan), "finite"),
-        (([0, 1, 2], POSTURES, 0.1, BACKHOE, [3]), "indices of the 3 way-points, got 3"),
+        (([0, 1, 2], POSTURES, 0.0), r"dt must be one number above 0 \[s\], got 0.0"),
+        (([0, 1, 2], POSTURES * np.nan), "postures must be finite"),
+        (([0, 1, 2], POSTURES, 0.1, BACKHOE, [3]), r"rest must be indices from 0 to 2, got \[3\]"),
         (([0, 1], np.radians([[0, 0, 0, 0], [0, 0, 0, 130]])), "bucket would be at 130.0 deg"),
         (([0, 1], np.radians([[0, 0, 0, 0], [90, 0, 0, 0]])), "swing would turn at 2.9"),
     ],
@@ -151,13 +154,16 @@ ZEROS = np.zeros((4, 4))
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"t": T[::-1]}, "t must rise, got 0.3 s and then 0.2 s"),
+        ({"t": T[::-1]}, "Movement.t must rise: 0.3.* s at index 0 is followed by 0.2 s"),
         ({"t": np.array([0, 0.1, 0.1, 0.2])}, "t must rise"),
         ({"t": np.array([0, 0.1, 0.2, 0.4])}, "evenly spaced"),
-        ({"q": np.where(np.eye(4) > 0, np.nan, 0)}, "q must be finite, it is not in row 0"),
+        (
+            {"q": np.where(np.eye(4) > 0, np.nan, 0)},
+            r"Movement.q must be finite, got nan at index \(0, 0\)",
+        ),
         ({"dq": np.zeros((3, 4))}, r"dq must have shape \(4, 4\)"),
-        ({"t": T[:0]}, "n at least 2"),
-        ({"t": 1.0}, r"t must have shape \(n,\)"),
+        ({"t": T[:0]}, r"Movement.t must be times .*, shape \(n,\), got shape \(0,\)"),
+        ({"t": 1.0}, r"t must be times .*, shape \(n,\), got shape \(\)"),
         ({"ddq": "fast"}, "ddq must be numbers"),
     ],
 )

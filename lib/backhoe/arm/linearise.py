@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics
-from backhoe.arm.kinematics import joint_vector
 from backhoe.arm.lyapunov.extremes import gravity_slope
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import choice, numbers
 from backhoe.machine import BACKHOE, JOINTS, Machine
 
 if TYPE_CHECKING:
@@ -64,11 +63,12 @@ def arm(
             an unknown law.
     """
     q = _posture(q)
+    choice(law, "law", LAWS)
     if gains is None:
         A, B = _plant(q, machine, friction, compensated=False)
         return _system(A, B, "tau", name or "arm")
     kp, ki, kd = _gains(gains)
-    A, B = _plant(q, machine, friction, compensated=_compensates(law))
+    A, B = _plant(q, machine, friction, compensated=law == "pid+gravity")
     feedback = B @ np.hstack([-np.diag(kp), -np.diag(kd)])
     closed = np.block(
         [[np.zeros((4, 4)), -np.eye(4), np.zeros((4, 4))], [B * ki, A + feedback]],
@@ -99,11 +99,9 @@ def loop(
     Raises:
         ValueError: as for `arm`, or an unknown joint.
     """
-    if joint not in JOINTS:
-        raise ValueError(f"joint must be one of {', '.join(JOINTS)}, got {joint!r}")
     import control
 
-    k = JOINTS.index(joint)
+    k = JOINTS.index(choice(joint, "joint", JOINTS))
     kp, ki, kd = _gains(gains)
     open_gains = [np.where(np.arange(4) == k, 0.0, gain) for gain in (kp, ki, kd)]
     others = arm(q, machine, gains=open_gains, law=law, friction=friction)
@@ -153,23 +151,8 @@ def _system(A: NDArray, B: NDArray, entering: str, name: str) -> StateSpace:
 
 
 def _posture(q: ArrayLike) -> NDArray:
-    q = joint_vector(q)
-    if q.shape != (4,):
-        raise ValueError(f"q must be one posture of 4 joint angles, got shape {q.shape}")
-    return q
+    return numbers(q, "q", (4,), meaning="one posture of 4 joint angles [rad]")
 
 
-def _gains(gains: Sequence[ArrayLike]) -> list[NDArray]:
-    if not (isinstance(gains, Sequence | np.ndarray) and len(gains) == 3):
-        raise ValueError("gains must be kp, ki and kd, of shape (4,) each")
-    found = [real_array(gain, "kp, ki and kd must be numbers") for gain in gains]
-    for name, gain in zip(("kp", "ki", "kd"), found, strict=True):
-        if gain.shape != (4,) or not np.isfinite(gain).all():
-            raise ValueError(f"{name} must be 4 finite gains, one for each joint, got {gain}")
-    return found
-
-
-def _compensates(law: str) -> bool:
-    if law not in LAWS:
-        raise ValueError(f"law must be one of {', '.join(LAWS)}, got {law!r}")
-    return law == "pid+gravity"
+def _gains(gains: Sequence[ArrayLike]) -> NDArray:
+    return numbers(gains, "gains", (3, 4), meaning="kp, ki and kd of 4 joints")

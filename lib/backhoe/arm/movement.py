@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics, kinematics
-from backhoe.basics.inputs import real_array
+from backhoe.basics import inputs
 from backhoe.machine import BACKHOE, JOINTS, Machine, variants
 
 __all__ = ["PHASES", "Movement", "from_postures", "from_targets", "loading", "torque"]
@@ -59,24 +58,13 @@ class Movement:
     ddq: NDArray
 
     def __post_init__(self) -> None:
-        for name in ("t", "q", "dq", "ddq"):
-            values = real_array(getattr(self, name), f"Movement.{name} must be numbers")
-            shape = (len(values),) if name == "t" and values.ndim else (np.size(self.t), 4)
-            if values.shape != shape or len(values) < 2:
-                raise ValueError(
-                    f"Movement.{name} must have {'shape (n,)' if name == 't' else f'shape {shape}'}"
-                    f" with n at least 2, got shape {values.shape}"
-                )
-            if not np.isfinite(values).all():
-                row = int(np.argwhere(~np.isfinite(values))[0][0])
-                raise ValueError(f"Movement.{name} must be finite, it is not in row {row}")
+        checked = {"t": inputs.times(self.t, "Movement.t")}
+        for name in ("q", "dq", "ddq"):
+            shape = (len(checked["t"]), 4)
+            checked[name] = inputs.numbers(getattr(self, name), f"Movement.{name}", shape)
+        for name, values in checked.items():
             object.__setattr__(self, name, values)
         steps = np.diff(self.t)
-        if not (steps > 0).all():
-            row = int(np.argmin(steps > 0))
-            raise ValueError(
-                f"Movement.t must rise, got {self.t[row]:g} s and then {self.t[row + 1]:g} s"
-            )
         if np.ptp(steps) > 1e-6 * self.dt:
             raise ValueError(
                 f"Movement.t must be evenly spaced, its steps are {steps.min():g} to "
@@ -124,14 +112,9 @@ def from_postures(
             no multiples of dt, rest out of range, or a joint that leaves its range or is too fast.
     """
     times, steps = _way_times(times, dt)
-    postures = real_array(postures, "postures must be joint angles in rad")
-    if postures.shape != (len(times), 4):
-        raise ValueError(
-            f"postures must have shape ({len(times)}, 4), one row for each time, got shape "
-            f"{postures.shape}"
-        )
-    kinematics.joint_vector(postures)
-    stops = _stops(rest, len(times))
+    meaning = "joint angles [rad], one row for each time"
+    postures = inputs.numbers(postures, "postures", (len(times), 4), meaning=meaning)
+    stops = sorted({0, len(times) - 1, *inputs.indices(rest, "rest", len(times))})
     movement = Movement(dt * np.arange(steps[-1] + 1), *_spline(times, postures, steps, stops, dt))
     _within_range(movement, machine)
     _within_speed(movement, machine)
@@ -227,24 +210,13 @@ def torque(
 
 def _way_times(times: ArrayLike, dt: float) -> tuple[NDArray, NDArray]:
     """Times of the way-points and the samples on which they fall."""
-    if not (isinstance(dt, int | float | np.number) and isfinite(dt) and dt > 0):
-        raise ValueError(f"dt must be a positive time in s, got {dt!r}")
-    times = real_array(times, "times must be numbers in s")
-    if times.ndim != 1 or len(times) < 2 or not np.isfinite(times).all():
-        raise ValueError(f"times must be 2 or more finite times in s, got {times}")
-    if times[0] != 0 or not (np.diff(times) > 0).all():
+    dt, times = inputs.positive(dt, "dt", "s"), inputs.times(times, "times")
+    if times[0] != 0:
         raise ValueError(f"times must rise from 0, got {times}")
     steps = np.round(times / dt).astype(int)
     if np.abs(steps * dt - times).max() > 1e-6 * dt:
         raise ValueError(f"times must be multiples of dt = {dt:g} s, got {times}")
     return times, steps
-
-
-def _stops(rest: Sequence[int], count: int) -> list[int]:
-    for index in rest:
-        if not 0 <= index < count:
-            raise ValueError(f"rest must hold indices of the {count} way-points, got {index!r}")
-    return sorted({0, count - 1, *rest})
 
 
 def _spline(

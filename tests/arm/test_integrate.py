@@ -142,14 +142,17 @@ def test_explosion_is_reported_with_its_time(roll_out):
     ("arguments", "message"),
     [
         (([1.0, np.nan], 0.1, 5), "x0 must be finite"),
-        (([[1.0, 2.0]], 0.1, 5), r"x0 must be one row of numbers, got shape \(1, 2\)"),
-        (([], 0.1, 5), r"x0 must be one row of numbers, got shape \(0,\)"),
+        (
+            ([[1.0, 2.0]], 0.1, 5),
+            r"x0 must be one row of numbers, shape \(n,\), got shape \(1, 2\)",
+        ),
+        (([], 0.1, 5), r"x0 must be one row of numbers, shape \(n,\), got shape \(0,\)"),
         ((["a", "b"], 0.1, 5), "x0 must be numbers"),
-        (([1.0, 2.0], 0.0, 5), "dt must be a positive time in s, got 0.0"),
-        (([1.0, 2.0], -0.1, 5), "dt must be a positive time"),
-        (([1.0, 2.0], "fast", 5), "dt must be a positive time"),
-        (([1.0, 2.0], 0.1, 2.5), "steps must be a whole number, 0 or more, got 2.5"),
-        (([1.0, 2.0], 0.1, -1), "steps must be a whole number"),
+        (([1.0, 2.0], 0.0, 5), r"dt must be one number above 0 \[s\], got 0.0"),
+        (([1.0, 2.0], -0.1, 5), "dt must be one number above 0"),
+        (([1.0, 2.0], "fast", 5), "dt must be one number above 0"),
+        (([1.0, 2.0], 0.1, 2.5), "steps must be one whole number at least 0, got 2.5"),
+        (([1.0, 2.0], 0.1, -1), "steps must be one whole number at least 0, got -1"),
     ],
 )
 @pytest.mark.parametrize("name", [name for name, _ in ORDERS])

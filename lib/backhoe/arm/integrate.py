@@ -19,6 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.inputs import numbers, positive, whole
+
 __all__ = ["Rollout", "euler", "motion", "rk4", "semi_implicit_euler", "trapezoid"]
 
 Rate = Callable[[float, NDArray], ArrayLike]
@@ -180,11 +182,9 @@ def rk4(f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:
 
 def _roll_out(step: Callable, f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:
     """Check the arguments, then repeat a step."""
-    x = _state(x0)
-    if isinstance(steps, bool) or not isinstance(steps, (int, np.integer)) or steps < 0:
-        raise ValueError(f"steps must be a whole number, 0 or more, got {steps!r}")
-    if not (isinstance(dt, (int, float, np.number)) and np.isfinite(dt) and dt > 0):
-        raise ValueError(f"dt must be a positive time in s, got {dt!r}")
+    x = numbers(x0, "x0", ("n",), meaning="one row of numbers")
+    whole(steps, "steps", least=0)
+    positive(dt, "dt", "s")
     rate = np.shape(f(0.0, x))
     if rate != x.shape:
         raise ValueError(f"the rate must have the shape of the state, {x.shape}, got {rate}")
@@ -200,15 +200,3 @@ def _roll_out(step: Callable, f: Rate, x0: ArrayLike, dt: float, steps: int) -> 
                 f" {dt:.4g} s"
             )
     return Rollout(t, states)
-
-
-def _state(x0: ArrayLike) -> NDArray:
-    try:
-        x = np.array(x0, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"x0 must be numbers, got {x0!r}") from error
-    if x.ndim != 1 or x.size == 0:
-        raise ValueError(f"x0 must be one row of numbers, got shape {x.shape}")
-    if not np.isfinite(x).all():
-        raise ValueError(f"x0 must be finite, got {x0!r}")
-    return x

@@ -150,13 +150,17 @@ def test_umbmark_refuses_ends_that_are_none(cw, ccw, side, message):
 
 
 def test_square_refuses_what_it_cannot_drive():
-    with pytest.raises(TypeError, match="true must be Wheels"):
+    with pytest.raises(TypeError, match="true must be a Wheels, got tuple"):
         odometry.square((0.35, 0.35, 2.0), NOMINAL)
     with pytest.raises(ValueError, match="way must be one of cw, ccw, got 'left'"):
         odometry.square(NOMINAL, NOMINAL, SIDE, "left")
-    with pytest.raises(ValueError, match="given an rng"):
+    with pytest.raises(
+        ValueError, match="rng must be a seed of 0 or more or a numpy Generator, got None"
+    ):
         odometry.square(NOMINAL, NOMINAL, SIDE, noise=0.1)
-    with pytest.raises(ValueError, match="runs must be a whole number above 0"):
+    with pytest.raises(ValueError, match=r"noise must be one number at least 0 \[rad\], got -1"):
+        odometry.square(NOMINAL, NOMINAL, SIDE, noise=-1)
+    with pytest.raises(ValueError, match="runs must be one whole number at least 1, got 0"):
         odometry.square(NOMINAL, NOMINAL, SIDE, runs=0)
 
 
@@ -206,7 +210,8 @@ def test_longitudinal_slip_is_found_as_a_smaller_radius():
         (lambda le, ri, p: (ri, le, p), "are left and right swapped"),
         (lambda le, ri, p: (le, ri, p * [1, 1, -1]), "psi clockwise"),
         (lambda le, ri, p: (le, ri, p + np.array([0, 0, 1.5])), "beside the heading"),
-        (lambda le, ri, p: (le[:5], ri, p), "rows of 4 or more"),
+        (lambda le, ri, p: (le[:3], ri[:3], p[:3]), "rows of 4 or more angles, got 3"),
+        (lambda le, ri, p: (le[:5], ri, p), r"right must be as many angles, shape \(5,\)"),
         (lambda le, ri, p: (le, ri, p[:, :2]), "as many x, y, psi"),
         (lambda le, ri, p: (le, ri * np.nan, p), "right must be finite"),
         (

@@ -152,10 +152,13 @@ def test_odometry_from_angles_is_that_from_speeds():
     [
         (lambda: odometry.differential(0, 1), r"radius must be one number above 0 \[m\], got 0"),
         (lambda: odometry.differential(0.1, -1), "gauge must be one number above 0"),
-        (lambda: odometry.omni(0.1, 0.2, 2), "needs 3 wheels or more, got 2"),
-        (lambda: odometry.omni(0.1, 0.2, 3.0), "3 wheels or more"),
-        (lambda: odometry.mecanum(0.1, 0.2, 0.2, 0.0), "between 0 and pi/2 rad"),
-        (lambda: odometry.tracks(gauge="wide"), "must be numbers"),
+        (lambda: odometry.omni(0.1, 0.2, 2), "count must be one whole number at least 3, got 2"),
+        (lambda: odometry.omni(0.1, 0.2, 3.0), "count must be one whole number"),
+        (
+            lambda: odometry.mecanum(0.1, 0.2, 0.2, 0.0),
+            "roller_angle must be one number above 0 and below 1.5708",
+        ),
+        (lambda: odometry.tracks(gauge="wide"), "gauge must be one number above 0"),
         (lambda: ROBOTS["three"].rate([0, 0, 0], [1, 2]), "u must end in 3 values"),
         (lambda: ROBOTS["three"].jacobian(np.nan), "psi must be finite"),
         (lambda: tracks_twist([1, 2], [1]), "left and right must be alike"),

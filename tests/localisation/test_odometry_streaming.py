@@ -103,11 +103,11 @@ def test_bad_samples_are_named():
 
 def test_run_refuses_shapes_that_do_not_fit():
     f, t = ROBOT.rate, [0.0, 1.0]
-    with pytest.raises(ValueError, match=r"u must be \(2, m\)"):
+    with pytest.raises(ValueError, match=r"u must be a sample for each time, shape \(2, m\)"):
         streaming.run(streaming.euler, f, t, np.zeros((3, 2)), np.zeros(3))
-    with pytest.raises(ValueError, match="x0 must be a row"):
+    with pytest.raises(ValueError, match=r"x0 must have shape \(n,\)"):
         streaming.run(streaming.euler, f, t, np.zeros((2, 2)), 0.0)
     with pytest.raises(ValueError, match=r"f must give \(4,\)"):
         streaming.run(streaming.euler, lambda x, u: x[:3], t, np.zeros((2, 2)), np.zeros(4))
-    with pytest.raises(ValueError, match=r"J must be a matrix \(n, m\)"):
+    with pytest.raises(ValueError, match=r"J must have shape \(n, m\)"):
         streaming.linear([1, 2])

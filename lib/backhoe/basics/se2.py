@@ -1,7 +1,7 @@
-"""Poses in the plane as a group: composing, inverting, exponential and logarithm of SE(2).
+"""Poses in the plane as a group: composing, inverting and the exponential of SE(2).
 
 `compose(a, b)` is T_a @ T_b: b seen from a, put into the world. psi is never wrapped, so a
-composition counts full turns; only `log` has to know how far a motion turned, and takes psi for it.
+composition counts full turns.
 
 Reference: Lynch and Park, Modern Robotics (2017), section 3.3.3; Mastalli 2013, (4.3), is exp with
 v_y = 0.
@@ -12,13 +12,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import ending_in, finite, positive
+from backhoe.basics.inputs import alike, numbers, positive
 
 __all__ = [
     "compose",
     "relative",
     "se2_exp",
-    "se2_log",
     "se2_matrix",
     "sides_of_twist",
     "twist_of_sides",
@@ -37,33 +36,11 @@ def se2_exp(xi: ArrayLike) -> NDArray:
     Raises:
         ValueError: xi does not end in 3 finite numbers.
     """
-    xi = ending_in(xi, 3, "xi", "v_x T, v_y T, omega T")
+    xi = numbers(xi, "xi", (..., 3), meaning="values (v_x T, v_y T, omega T)")
     half = xi[..., 2] / 2
     chord = np.sinc(half / np.pi)
     x, y = _turned(chord * xi[..., 0], chord * xi[..., 1], half)
     return np.stack([x, y, xi[..., 2]], axis=-1)
-
-
-def se2_log(pose: ArrayLike) -> NDArray:
-    """The held body velocity that leads from the origin to a pose in one unit of time.
-
-    Args:
-        pose: x, y, psi with psi the whole turn made, shape (..., 3) [m, m, rad].
-
-    Returns:
-        v_x T, v_y T, omega T, shape (..., 3) [m, m, rad].
-
-    Raises:
-        ValueError: pose does not end in 3 finite numbers; whole turns (but none) that do not end
-            where they began, which no held velocity does.
-    """
-    pose = ending_in(pose, 3, "pose", "x, y, psi")
-    half = pose[..., 2] / 2
-    chord = np.sinc(half / np.pi)
-    if (np.abs(chord) < 1e-12).any():
-        raise ValueError("log is not defined after whole turns: psi is a multiple of 2 pi")
-    x, y = _turned(pose[..., 0] / chord, pose[..., 1] / chord, -half)
-    return np.stack([x, y, pose[..., 2]], axis=-1)
 
 
 def compose(a: ArrayLike, b: ArrayLike) -> NDArray:
@@ -101,8 +78,8 @@ def relative(a: ArrayLike, b: ArrayLike) -> NDArray:
 
 
 def se2_matrix(pose: ArrayLike) -> NDArray:
-    """The homogeneous transform of a pose, shape (..., 3, 3); ValueError as for `compose`."""
-    pose = ending_in(pose, 3, "pose", "x, y, psi")
+    """T of a pose (..., 3) [m, m, rad], shape (..., 3, 3); ValueError as for `compose`."""
+    pose = numbers(pose, "pose", (..., 3), meaning="values (x, y, psi)")
     T = np.zeros((*pose.shape, 3))
     T[..., 0, 0] = T[..., 1, 1] = np.cos(pose[..., 2])
     T[..., 1, 0] = np.sin(pose[..., 2])
@@ -127,15 +104,14 @@ def twist_of_sides(left: ArrayLike, right: ArrayLike, gauge: float) -> tuple[NDA
     Raises:
         ValueError: left and right differ in shape, a value is not finite, or gauge is not positive.
     """
-    left, right = finite(left, "left"), finite(right, "right")
-    if left.shape != right.shape:
-        raise ValueError(f"left and right must be alike, got shapes {left.shape}, {right.shape}")
+    left, right = numbers(left, "left"), numbers(right, "right")
+    alike(left=left, right=right)
     return (left + right) / 2, (right - left) / positive(gauge, "gauge", "m")
 
 
 def sides_of_twist(v: ArrayLike, omega: ArrayLike, gauge: float) -> tuple[NDArray, NDArray]:
     """Motion of the left and right side: the inverse of `twist_of_sides`, same shapes, errors."""
-    v, turn = finite(v, "v"), positive(gauge, "gauge", "m") / 2 * finite(omega, "omega")
+    v, turn = numbers(v, "v"), positive(gauge, "gauge", "m") / 2 * numbers(omega, "omega")
     return v - turn, v + turn
 
 
@@ -145,7 +121,8 @@ def _turned(x: NDArray, y: NDArray, angle: NDArray) -> tuple[NDArray, NDArray]:
 
 
 def _pair(a: ArrayLike, b: ArrayLike) -> list[NDArray]:
-    a, b = ending_in(a, 3, "a", "x, y, psi"), ending_in(b, 3, "b", "x, y, psi")
+    a = numbers(a, "a", (..., 3), meaning="values (x, y, psi)")
+    b = numbers(b, "b", (..., 3), meaning="values (x, y, psi)")
     if a.shape != b.shape and (3,) not in (a.shape, b.shape):
         raise ValueError(
             f"poses must be alike in shape or one of them (3,), got {a.shape}, {b.shape}"

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import ending_in, finite
+from backhoe.basics.inputs import numbers
 from backhoe.basics.se2 import twist_of_sides
 from backhoe.machine import BACKHOE, Machine
 
@@ -45,11 +45,11 @@ def tracks_twist(
         ValueError: left and right differ in shape, a value is not finite, gauge is not positive,
             or a slip is not below 1.
     """
-    slip = finite(slip, "slip")
-    if slip.shape != (2,) or (slip >= 1).any():
-        raise ValueError(f"slip must be two shares below 1, left and right, got {slip.tolist()}")
+    slip = numbers(slip, "slip", (2,), meaning="two shares below 1 (left, right)")
+    if (slip >= 1).any():
+        raise ValueError(f"slip must be two shares below 1 (left, right), got {slip.tolist()}")
     grip = machine.tracks.sprocket_radius * (1 - slip)
-    left, right = grip[0] * finite(left, "left"), grip[1] * finite(right, "right")
+    left, right = grip[0] * numbers(left, "left"), grip[1] * numbers(right, "right")
     return twist_of_sides(left, right, machine.tracks.gauge if gauge is None else gauge)
 
 
@@ -68,7 +68,8 @@ def twist_to_world(twist: ArrayLike, heading: ArrayLike) -> NDArray:
     Raises:
         ValueError: the last axis of twist is not 2, or a value is not a finite number.
     """
-    twist, psi = ending_in(twist, 2, "twist", "v, omega"), finite(heading, "heading")
+    twist = numbers(twist, "twist", (..., 2), meaning="values (v, omega)")
+    psi = numbers(heading, "heading")
     v, omega = twist[..., 0], twist[..., 1]
     return np.stack(np.broadcast_arrays(v * np.cos(psi), v * np.sin(psi), omega), axis=-1)
 

@@ -12,7 +12,7 @@ Poses are (x, y, psi) [m, m, rad]; psi is never wrapped. Sides are in the order 
 Source: PUCP guide 2024; Mastalli 2013, sections 2.2 and 4.1.
 """
 
-from backhoe.basics.se2 import compose, relative, se2_exp, se2_log, se2_matrix
+from backhoe.basics.se2 import compose, relative, se2_exp, se2_matrix
 from backhoe.localisation.odometry import streaming
 from backhoe.localisation.odometry.calibration import Calibration, calibrate
 from backhoe.localisation.odometry.convergence import Motion, final_errors, order, winding
@@ -22,7 +22,6 @@ from backhoe.localisation.odometry.dead_reckoning import (
     advance,
     from_samples,
     integrate,
-    integrate_body,
     intervals,
 )
 from backhoe.localisation.odometry.encoder import Encoder
@@ -50,14 +49,12 @@ __all__ = [
     "from_angles",
     "from_samples",
     "integrate",
-    "integrate_body",
     "intervals",
     "mecanum",
     "omni",
     "order",
     "relative",
     "se2_exp",
-    "se2_log",
     "se2_matrix",
     "square",
     "streaming",

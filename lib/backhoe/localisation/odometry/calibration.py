@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import finite
+from backhoe.basics.inputs import numbers
 from backhoe.localisation.odometry.dead_reckoning import integrate
 from backhoe.localisation.odometry.tracked import Wheels
 from backhoe.machine import BACKHOE, Machine
@@ -108,13 +108,11 @@ def _fit(columns: NDArray, measured: NDArray) -> tuple[NDArray, float]:
 
 
 def _log(left: ArrayLike, right: ArrayLike, pose: ArrayLike) -> tuple[NDArray, NDArray, NDArray]:
-    left, right, pose = finite(left, "left"), finite(right, "right"), finite(pose, "pose")
-    n = len(left) if left.ndim == 1 else 0
-    if n < 4 or right.shape != (n,) or pose.shape != (n, 3):
-        raise ValueError(
-            "left and right must be rows of 4 or more angles and pose as many x, y, psi, got "
-            f"shapes {left.shape}, {right.shape}, {pose.shape}"
-        )
+    left = numbers(left, "left", ("n",), meaning="angles in a row")
+    right = numbers(right, "right", left.shape, meaning="as many angles")
+    pose = numbers(pose, "pose", (len(left), 3), meaning="as many x, y, psi")
+    if len(left) < 4:
+        raise ValueError(f"left and right must be rows of 4 or more angles, got {len(left)}")
     jumps = np.abs(np.diff(pose[:, 2]))
     if jumps.max() > np.pi:
         k = int(jumps.argmax())

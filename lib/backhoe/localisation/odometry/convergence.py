@@ -8,13 +8,13 @@ its path grows evenly with the heading, so the position is an integral over psi 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import finite, positive
+from backhoe.basics.inputs import number, numbers, positive, whole
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Motion:
     duration: float
 
     def instants(self, steps: int) -> NDArray:
-        """steps + 1 times, evenly over the duration [s]."""
+        """Times evenly over the duration, shape (steps + 1,) [s]."""
         return np.linspace(0.0, self.duration, steps + 1)
 
 
@@ -62,9 +62,9 @@ def winding(
         ValueError: duration is not positive, or another value is not a finite number.
     """
     duration = positive(duration, "duration", "s")
-    numbers = {"turning": turning, "swing": swing, "frequency": frequency}
-    for name, value in (numbers | {"radius": radius, "growth": growth}).items():
-        finite(value, name)
+    turning, swing = number(turning, "turning", "rad/s"), number(swing, "swing", "rad")
+    frequency, radius = number(frequency, "frequency", "rad/s"), number(radius, "radius", "m")
+    growth = number(growth, "growth", "m/rad")
 
     def heading(t: NDArray) -> NDArray:
         return turning * t + swing * np.sin(frequency * t)
@@ -87,7 +87,7 @@ def winding(
 
 def final_errors(
     estimator: Callable[[NDArray, NDArray, NDArray], ArrayLike],
-    steps: ArrayLike = (100, 200, 400, 800, 1600),
+    steps: Sequence[int] = (100, 200, 400, 800, 1600),
     motion: Motion | None = None,
 ) -> tuple[NDArray, NDArray]:
     """Error of an estimator at the end of a motion, for several sampling times.
@@ -95,26 +95,25 @@ def final_errors(
     Args:
         estimator: called with t, v, omega, each (N+1,), sampled at the instants; gives poses whose
             last row is the pose at the end, shape (..., 3) [m, m, rad].
-        steps: numbers of intervals N.
+        steps: n numbers of intervals N.
         motion: default `winding()`.
 
     Returns:
-        Sampling times [s] and distances from the true end [m], one for each of `steps`.
+        Sampling times [s] and distances from the true end [m], shape (n,) each.
 
     Raises:
-        ValueError: what the estimator gives does not end in a pose of 3 numbers.
+        ValueError: a number of intervals is not whole or below 1, or what the estimator gives does
+            not end in a pose of 3 numbers.
     """
     motion = winding() if motion is None else motion
     truth = motion.pose(motion.duration)
     errors = []
-    for count in map(int, np.atleast_1d(steps)):
-        t = motion.instants(count)
-        poses = np.asarray(estimator(t, motion.v(t), motion.omega(t)), dtype=float)
-        if poses.ndim == 0 or poses.shape[-1] != 3:
-            raise ValueError(f"an estimator gives poses (N+1, 3), got shape {poses.shape}")
-        end = poses.reshape(-1, 3)[-1]
-        errors.append(np.hypot(*(end - truth)[:2]))
-    return motion.duration / np.atleast_1d(steps), np.array(errors)
+    for count in steps:
+        t = motion.instants(whole(count, "steps", least=1))
+        poses = estimator(t, motion.v(t), motion.omega(t))
+        poses = numbers(poses, "the estimator's poses", (..., 3), meaning="values (x, y, psi)")
+        errors.append(np.hypot(*(poses.reshape(-1, 3)[-1] - truth)[:2]))
+    return motion.duration / np.array(steps), np.array(errors)
 
 
 def order(steps: ArrayLike, errors: ArrayLike) -> float:
@@ -122,7 +121,7 @@ def order(steps: ArrayLike, errors: ArrayLike) -> float:
 
     Args:
         steps: sampling times, two or more, shape (n,) [s].
-        errors: an error for each, above 0, shape (n,).
+        errors: an error for each, above 0, shape (n,) [any unit].
 
     Returns:
         p with error ~ step^p.
@@ -131,11 +130,8 @@ def order(steps: ArrayLike, errors: ArrayLike) -> float:
         ValueError: shapes that differ, fewer than two, a value not above 0 (an error of 0 has no
             order: take a harder motion).
     """
-    steps, errors = finite(steps, "steps"), finite(errors, "errors")
-    if steps.shape != errors.shape or steps.ndim != 1 or len(steps) < 2:
-        raise ValueError(
-            f"steps and errors must be rows of 2 or more, got {steps.shape} and {errors.shape}"
-        )
-    if (steps <= 0).any() or (errors <= 0).any():
-        raise ValueError("steps and errors must be above 0: an error of 0 has no order")
+    steps = numbers(steps, "steps", ("n",))
+    errors = numbers(errors, "errors", steps.shape)
+    if len(steps) < 2 or (steps <= 0).any() or (errors <= 0).any():
+        raise ValueError("steps and errors must be above 0, 2 or more: an error of 0 has no order")
     return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])

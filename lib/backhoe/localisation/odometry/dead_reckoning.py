@@ -25,7 +25,7 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import chosen, ending_in, finite, instants, steps
+from backhoe.basics.inputs import alike, choice, number, numbers, steps, times
 
 METHODS = ("euler", "midpoint", "bilinear", "rk4", "exact")
 RULES = ("left", "right", "trapezoid")
@@ -38,6 +38,8 @@ _HEADINGS = {
     "exact": ((0.5, 1.0),),
 }
 """Where in the turn of a step each method looks, and the weight of what it sees."""
+
+_SAMPLES = "samples, one for each time"
 
 
 def integrate(
@@ -59,37 +61,24 @@ def integrate(
         ValueError: shapes that do not fit, a value that is not finite, dt not above 0, an unknown
             method.
     """
-    v, omega = finite(v, "v"), finite(omega, "omega")
-    if v.ndim == 0 or v.shape != omega.shape:
+    v, omega = numbers(v, "v", (..., "N")), numbers(omega, "omega", (..., "N"))
+    alike(v=v, omega=omega)
+    pose0 = numbers(pose0, "pose0", (..., 3), meaning="values (x, y, psi)")
+    dt = steps(dt, v.shape[-1])
+    way, turn = v * dt, omega * dt
+    if pose0.ndim > 1 and pose0.shape[:-1] != turn.shape[:-1]:
+        batch = "" if turn.ndim == 1 else f" or {(*turn.shape[:-1], 3)}"
         raise ValueError(
-            f"v and omega must have one shape (..., N), got {v.shape} and {omega.shape}"
+            f"pose0 must be (3,){batch} for velocities of shape {turn.shape}, got {pose0.shape}: "
+            "one row of velocities for each start"
         )
-    return _accumulate(pose0, v * (dt := steps(dt, v.shape[-1])), None, omega * dt, method)
-
-
-def integrate_body(
-    pose0: ArrayLike, velocity: ArrayLike, dt: ArrayLike, method: str = "exact"
-) -> NDArray:
-    """Poses of a vehicle that also moves sideways, as omnidirectional robots do.
-
-    Args:
-        pose0: as for `integrate`.
-        velocity: v_x, v_y, omega in the vehicle, held in each interval, shape (..., N, 3)
-            [m/s, m/s, rad/s].
-        dt, method: as for `integrate`.
-
-    Returns:
-        Shape (..., N+1, 3) [m, m, rad].
-
-    Raises:
-        ValueError: as for `integrate`.
-    """
-    velocity = ending_in(velocity, 3, "velocity", "v_x, v_y, omega")
-    if velocity.ndim < 2:
-        raise ValueError(f"velocity must be (..., N, 3), got shape {velocity.shape}")
-    dt = steps(dt, velocity.shape[-2])
-    along, across, turn = (velocity[..., i] * dt for i in range(3))
-    return _accumulate(pose0, along, across, turn, method)
+    poses = np.empty((*turn.shape[:-1], turn.shape[-1] + 1, 3))
+    poses[..., 0, :] = pose0
+    poses[..., 1:, 2] = poses[..., 0, 2, None] + np.cumsum(turn, axis=-1)
+    for axis, direction in enumerate(_direction(poses[..., :-1, 2], turn, method)):
+        moved = np.cumsum(way * direction, axis=-1)
+        np.add(moved, poses[..., :1, axis], out=poses[..., 1:, axis])
+    return poses
 
 
 def from_samples(
@@ -121,12 +110,15 @@ def from_samples(
     Raises:
         ValueError: as for `integrate`; t that does not rise, an unknown rule.
     """
+    t = times(t)
+    v = numbers(v, "v", (..., len(t)), meaning=_SAMPLES)
+    omega = numbers(omega, "omega", (..., len(t)), meaning=_SAMPLES)
     dt, turning = intervals(t, omega, rule)
     _, forward = intervals(t, v, rule)
-    if rule == "trapezoid" and chosen(method, METHODS, "method") == "bilinear":
+    if rule == "trapezoid" and choice(method, "method", METHODS) == "bilinear":
         poses = integrate(pose0, forward, turning, dt, "euler")
         for axis, direction in enumerate(_cos_sin(poses[..., 2])):
-            rate = finite(v, "v") * direction
+            rate = v * direction
             np.cumsum((rate[..., 1:] + rate[..., :-1]) / 2 * dt, -1, out=poses[..., 1:, axis])
             poses[..., 1:, axis] += poses[..., :1, axis]
         return poses
@@ -138,7 +130,7 @@ def intervals(t: ArrayLike, u: ArrayLike, rule: str = "trapezoid") -> tuple[NDAr
 
     Args:
         t: instants, rising, shape (N+1,) [s].
-        u: samples at them, shape (..., N+1).
+        u: samples at them, shape (..., N+1), of any unit.
         rule: "left" holds the older sample, "right" the newer (PUCP (2), (3)), "trapezoid" the mean
             of both (PUCP (4), (5)).
 
@@ -148,11 +140,10 @@ def intervals(t: ArrayLike, u: ArrayLike, rule: str = "trapezoid") -> tuple[NDAr
     Raises:
         ValueError: t does not rise, u has another number of samples, an unknown rule.
     """
-    t, u = instants(t), finite(u, "u")
-    if u.ndim == 0 or u.shape[-1] != len(t):
-        raise ValueError(f"there must be a sample for each of {len(t)} times, got shape {u.shape}")
+    t = times(t)
+    u = numbers(u, "u", (..., len(t)), meaning=_SAMPLES)
     older, newer = u[..., :-1], u[..., 1:]
-    held = {"left": older, "right": newer}.get(chosen(rule, RULES, "rule"))
+    held = {"left": older, "right": newer}.get(choice(rule, "rule", RULES))
     return np.diff(t), (older + newer) / 2 if held is None else held
 
 
@@ -166,14 +157,14 @@ def advance(pose: ArrayLike, distance: float, turn: float, method: str = "exact"
         method: one of `METHODS`.
 
     Returns:
-        The next pose, shape (3,); psi is not wrapped.
+        The next pose, shape (3,) [m, m, rad]; psi is not wrapped.
 
     Raises:
         ValueError: pose is not 3 finite numbers, an increment not one, an unknown method.
     """
-    x, y, psi = ending_in(pose, 3, "pose", "x, y, psi").tolist()
-    d, turn = float(finite(distance, "distance")), float(finite(turn, "turn"))
-    headings = _HEADINGS[chosen(method, METHODS, "method")]
+    x, y, psi = numbers(pose, "pose", (3,), meaning="values (x, y, psi)").tolist()
+    d, turn = number(distance, "distance", "m"), number(turn, "turn", "rad")
+    headings = _HEADINGS[choice(method, "method", METHODS)]
     if method == "exact" and turn:
         d *= sin(turn / 2) / (turn / 2)
     dx = d * sum(weight * cos(psi + share * turn) for share, weight in headings)
@@ -181,34 +172,9 @@ def advance(pose: ArrayLike, distance: float, turn: float, method: str = "exact"
     return np.array([x + dx, y + dy, psi + turn])
 
 
-def _accumulate(
-    pose0: ArrayLike, along: NDArray, across: NDArray | None, turn: NDArray, method: str
-) -> NDArray:
-    """Poses from increments (..., N) along [m], across [m] (None: none) and turn [rad]."""
-    pose0 = ending_in(pose0, 3, "pose0", "x, y, psi")
-    if pose0.ndim > 1 and pose0.shape[:-1] != turn.shape[:-1]:
-        batch = "" if turn.ndim == 1 else f" or {(*turn.shape[:-1], 3)}"
-        raise ValueError(
-            f"pose0 must be (3,){batch} for velocities of shape {turn.shape}, got {pose0.shape}: "
-            "one row of velocities for each start"
-        )
-    poses = np.empty((*turn.shape[:-1], turn.shape[-1] + 1, 3))
-    poses[..., 0, :] = pose0
-    psi = poses[..., 0, 2, None] + np.cumsum(turn, axis=-1)
-    poses[..., 1:, 2] = psi
-    direction = _direction(poses[..., :-1, 2], turn, method)
-    ways = along * direction[0], along * direction[1]
-    if across is not None:
-        ways = ways[0] - across * direction[1], ways[1] + across * direction[0]
-    for axis, way in enumerate(ways):
-        np.cumsum(way, axis=-1, out=way)
-        np.add(way, poses[..., :1, axis], out=poses[..., 1:, axis])
-    return poses
-
-
 def _direction(start: NDArray, turn: NDArray, method: str) -> tuple[NDArray, NDArray]:
     """Mean of cos psi and sin psi over a step, each shape (..., N), as the method takes it."""
-    chord = np.sinc(turn / (2 * np.pi)) if chosen(method, METHODS, "method") == "exact" else 1.0
+    chord = np.sinc(turn / (2 * np.pi)) if choice(method, "method", METHODS) == "exact" else 1.0
     mean_cos, mean_sin = 0.0, 0.0
     for share, weight in _HEADINGS[method]:
         part_cos, part_sin = _cos_sin(start + share * turn if share else start)

@@ -14,7 +14,7 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import finite, positive
+from backhoe.basics.inputs import number, numbers, positive, whole
 
 
 @dataclass(frozen=True)
@@ -35,13 +35,8 @@ class Encoder:
     signed: bool = False
 
     def __post_init__(self) -> None:
-        for name, low, high in (("ticks", 1, 2**52), ("bits", 2, 52)):
-            value = getattr(self, name)
-            whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-            if not whole or not low <= value <= high:
-                raise ValueError(
-                    f"Encoder.{name} must be a whole number from {low} to {high}, got {value!r}"
-                )
+        whole(self.ticks, "Encoder.ticks", least=1, most=2**52)
+        whole(self.bits, "Encoder.bits", least=2, most=52)
 
     @property
     def resolution(self) -> float:
@@ -60,32 +55,13 @@ class Encoder:
             angle: not wrapped, shape (...) [rad].
 
         Returns:
-            Whole numbers, shape (...).
+            Whole numbers, shape (...) [ticks].
 
         Raises:
             ValueError: angle is not finite numbers.
         """
-        whole = np.floor(finite(angle, "angle") / self.resolution).astype(np.int64)
-        return self._wrapped(whole) if self.signed else whole % self.modulus
-
-    def measure(self, angle: ArrayLike, rng: np.random.Generator, jitter: float = 0.0) -> NDArray:
-        """Readings with noise: each edge of a tick is found too early or too late.
-
-        Args:
-            angle: shape (...) [rad].
-            rng: where the noise comes from.
-            jitter: its standard deviation [rad].
-
-        Returns:
-            Whole numbers, shape (...).
-
-        Raises:
-            ValueError: angle is not finite, or jitter is negative or not a finite number.
-        """
-        angle = finite(angle, "angle")
-        if np.ndim(jitter) or not finite(jitter, "jitter") >= 0:
-            raise ValueError(f"jitter must be an angle of 0 rad or more, got {jitter!r}")
-        return self.count(angle + jitter * rng.standard_normal(angle.shape))
+        ticks = np.floor(numbers(angle, "angle") / self.resolution).astype(np.int64)
+        return self._wrapped(ticks) if self.signed else ticks % self.modulus
 
     def increments(self, counts: ArrayLike) -> NDArray:
         """Ticks between readings, across overflows of the counter.
@@ -93,10 +69,10 @@ class Encoder:
         Right only if the wheel turns less than half a counter between readings: see `fastest`.
 
         Args:
-            counts: readings, whole numbers, shape (..., N+1).
+            counts: readings, whole numbers, shape (..., N+1) [ticks].
 
         Returns:
-            Ticks forwards, shape (..., N).
+            Ways forwards, shape (..., N) [ticks].
 
         Raises:
             ValueError: a reading that is not whole or that the counter cannot show, or a step of
@@ -116,7 +92,7 @@ class Encoder:
         """Angles of the wheel at the readings, from `start`, across overflows.
 
         Args:
-            counts: as for `increments`, shape (..., N+1).
+            counts: as for `increments`, shape (..., N+1) [ticks].
             start: angle at the first reading [rad].
 
         Returns:
@@ -128,7 +104,7 @@ class Encoder:
         ticks = self.increments(counts)
         turned = np.zeros((*ticks.shape[:-1], ticks.shape[-1] + 1))
         np.cumsum(ticks, axis=-1, out=turned[..., 1:])
-        return float(finite(start, "start")) + self.resolution * turned
+        return number(start, "start", "rad") + self.resolution * turned
 
     def fastest(self, dt: float) -> float:
         """Speed below which readings every dt seconds are unambiguous [rad/s].
@@ -138,35 +114,13 @@ class Encoder:
         """
         return (self.modulus // 2 - 1) * self.resolution / positive(dt, "dt", "s")
 
-    def check(self, speed: float, dt: float) -> None:
-        """Make sure that the counter does not overflow unseen.
-
-        Args:
-            speed: the fastest that the wheel turns [rad/s].
-            dt: longest time between readings [s].
-
-        Raises:
-            ValueError: readings every dt seconds do not tell such a speed from a slower one.
-        """
-        limit = self.fastest(dt)
-        speed = abs(float(finite(speed, "speed")))
-        if speed > limit:
-            raise ValueError(
-                f"at {speed:.4g} rad/s a counter of {self.bits} bits with {self.ticks} ticks a turn"
-                f" moves {speed * dt / self.resolution:.0f} ticks in {dt:.4g} s, and from "
-                f"{self.modulus // 2} on forwards cannot be told from backwards: read it every "
-                f"{dt * limit / speed:.3g} s or faster, or take a counter of more bits"
-            )
-
     def _wrapped(self, ticks: NDArray) -> NDArray:
         half = self.modulus // 2
         return (ticks + half) % self.modulus - half
 
     def _readings(self, counts: ArrayLike) -> NDArray:
-        values = finite(counts, "counts")
+        values = numbers(counts, "counts", (..., "n"), meaning="readings")
         low = -self.modulus // 2 if self.signed else 0
-        if values.ndim == 0:
-            raise ValueError("counts must be a row of readings, got one number")
         bad = (values != np.floor(values)) | (values < low) | (values >= low + self.modulus)
         if bad.any():
             raise ValueError(

@@ -17,7 +17,7 @@ from math import pi, tan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import ending_in, finite, positive
+from backhoe.basics.inputs import number, numbers, positive, whole
 from backhoe.machine import BACKHOE, Machine
 
 
@@ -50,7 +50,7 @@ class Robot:
         Raises:
             ValueError: psi is not finite numbers.
         """
-        psi = finite(psi, "psi")
+        psi = numbers(psi, "psi")
         turn = np.zeros((*psi.shape, 3, 3))
         turn[..., 0, 0] = turn[..., 1, 1] = np.cos(psi)
         turn[..., 1, 0] = np.sin(psi)
@@ -71,16 +71,17 @@ class Robot:
         Raises:
             ValueError: pose does not end in 3, or u in n finite numbers.
         """
-        pose, u = ending_in(pose, 3, "pose", "x, y, psi"), self._speeds(u)
-        return (self.jacobian(pose[..., 2]) @ u[..., None])[..., 0]
+        pose = numbers(pose, "pose", (..., 3), meaning="values (x, y, psi)")
+        return (self.jacobian(pose[..., 2]) @ self._speeds(u)[..., None])[..., 0]
 
     def velocity(self, u: ArrayLike) -> NDArray:
-        """Velocity of the body from wheel speeds, shape (..., n) [rad/s] -> (..., 3)."""
+        """v_x, v_y, omega (..., 3) [m/s, m/s, rad/s] from wheel speeds (..., n) [rad/s]."""
         return self._speeds(u) @ self.body.T
 
     def wheel_speeds(self, velocity: ArrayLike) -> NDArray:
-        """Wheel speeds from the velocity of the body, shape (..., 3) -> (..., n) [rad/s]."""
-        return ending_in(velocity, 3, "velocity", "v_x, v_y, omega") @ self.rolling.T
+        """Wheel speeds (..., n) [rad/s] from v_x, v_y, omega (..., 3) [m/s, m/s, rad/s]."""
+        meaning = "values (v_x, v_y, omega)"
+        return numbers(velocity, "velocity", (..., 3), meaning=meaning) @ self.rolling.T
 
     def unexplained(self, u: ArrayLike) -> NDArray:
         """The part of wheel speeds that no motion without slip explains, (..., n) [rad/s].
@@ -92,7 +93,8 @@ class Robot:
         return u - self.velocity(u) @ self.rolling.T
 
     def _speeds(self, u: ArrayLike) -> NDArray:
-        return ending_in(u, len(self.wheels), "u", ", ".join(self.wheels))
+        wheels = self.wheels
+        return numbers(u, "u", (..., len(wheels)), meaning=f"values ({', '.join(wheels)})")
 
 
 def differential(radius: float, gauge: float, name: str = "differential drive") -> Robot:
@@ -150,9 +152,8 @@ def omni(radius: float, distance: float, count: int = 3, first: float = 0.0) -> 
         ValueError: a length is not positive, or fewer than 3 wheels.
     """
     r, distance = positive(radius, "radius", "m"), positive(distance, "distance", "m")
-    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 3:
-        raise ValueError(f"an omnidirectional robot needs 3 wheels or more, got {count!r}")
-    angles = float(finite(first, "first")) + 2 * pi * np.arange(count) / count
+    count = whole(count, "count", least=3)
+    angles = number(first, "first", "rad") + 2 * pi * np.arange(count) / count
     rim = np.stack([-np.sin(angles), np.cos(angles), np.full(count, distance)], axis=-1)
     names = tuple(f"wheel {i}" for i in range(count))
     return _robot(f"{count} omnidirectional wheels", names, rim / r)
@@ -181,8 +182,7 @@ def mecanum(
     """
     r = positive(radius, "radius", "m")
     a, b = positive(half_length, "half_length", "m"), positive(half_width, "half_width", "m")
-    if not 0 < float(finite(roller_angle, "roller_angle")) < pi / 2:
-        raise ValueError(f"roller_angle must lie between 0 and pi/2 rad, got {roller_angle!r}")
+    roller_angle = number(roller_angle, "roller_angle", "rad", above=0, below=pi / 2)
     x, y = np.array([a, a, -a, -a]), np.array([b, -b, b, -b])
     lean = np.array([-1, 1, 1, -1]) * tan(roller_angle)
     names = ("front left", "front right", "rear left", "rear right")

@@ -23,7 +23,15 @@ from math import pi, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import chosen, finite, positive
+from backhoe.basics.inputs import (
+    choice,
+    generator,
+    instance,
+    not_negative,
+    numbers,
+    positive,
+    whole,
+)
 from backhoe.localisation.odometry.dead_reckoning import integrate
 from backhoe.localisation.odometry.tracked import Wheels
 
@@ -70,7 +78,7 @@ def square(
     *,
     noise: float = 0.0,
     runs: int = 1,
-    rng: np.random.Generator | None = None,
+    rng: np.random.Generator | int | None = None,
 ) -> NDArray:
     """Where a vehicle really ends that drives a square by its odometry, from the origin along x.
 
@@ -82,7 +90,7 @@ def square(
         noise: standard deviation of what disturbs the heading on each side and in each corner, as
             bumps and slip do, unseen by the encoders [rad].
         runs: number of squares.
-        rng: where the noise comes from; needed if there is noise.
+        rng: where the noise comes from, or a seed; needed if there is noise.
 
     Returns:
         True less believed pose at the end, shape (runs, 3) [m, m, rad]; the heading not wrapped.
@@ -92,20 +100,15 @@ def square(
             whole number above 0.
         TypeError: true or nominal is no Wheels.
     """
-    for name, wheels in (("true", true), ("nominal", nominal)):
-        if not isinstance(wheels, Wheels):
-            raise TypeError(f"{name} must be Wheels(left, right, gauge), got {wheels!r}")
-    side, sign = positive(side, "side", "m"), 1 if chosen(way, WAYS, "way") == "ccw" else -1
-    if np.ndim(noise) or not finite(noise, "noise") >= 0 or (noise > 0 and rng is None):
-        raise ValueError(f"noise must be 0 rad, or above 0 and given an rng, got {noise!r}")
-    if isinstance(runs, bool) or not isinstance(runs, int | np.integer) or runs < 1:
-        raise ValueError(f"runs must be a whole number above 0, got {runs!r}")
+    instance(true, "true", Wheels), instance(nominal, "nominal", Wheels)
+    side, sign = positive(side, "side", "m"), 1 if choice(way, "way", WAYS) == "ccw" else -1
+    noise, runs = not_negative(noise, "noise", "rad"), whole(runs, "runs", least=1)
     corner = sign * pi / 2 * nominal.gauge / 2
     way_left, way_right = np.tile([side, -corner], 4), np.tile([side, corner], 4)
     distance, turn = true.twist(way_left / nominal.left, way_right / nominal.right)
     turns = np.tile(turn, (runs, 1))
     if noise:
-        turns += noise * rng.standard_normal(turns.shape)
+        turns += noise * generator(rng).standard_normal(turns.shape)
     end = integrate(np.zeros(3), np.tile(distance, (runs, 1)), turns, 1.0)[:, -1]
     return end - [0.0, 0.0, sign * 2 * pi]
 
@@ -118,7 +121,7 @@ def umbmark(cw: ArrayLike, ccw: ArrayLike, side: float, nominal: Wheels) -> Umbm
     Args:
         cw: true less believed position after each square clockwise, shape (n, 2), or (n, 3) with
             headings, which do not count [m]. Drive five or more: their mean is what counts.
-        ccw: the same anticlockwise.
+        ccw: the same anticlockwise [m].
         side: of the square [m].
         nominal: wheels that the odometry took.
 
@@ -192,7 +195,7 @@ def _corrected(nominal: Wheels, ratio: float, factor: float) -> Wheels:
 
 
 def _mean(ends: ArrayLike, name: str) -> NDArray:
-    ends = finite(ends, name)
+    ends = numbers(ends, name)
     if ends.ndim != 2 or ends.shape[0] == 0 or ends.shape[1] not in (2, 3):
         raise ValueError(f"{name} must be a row x, y [m] for each square, got shape {ends.shape}")
     return ends[:, :2].mean(axis=0)

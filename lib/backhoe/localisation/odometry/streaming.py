@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import finite, instants
+from backhoe.basics.inputs import numbers, times
 
 Rate = Callable[[NDArray, NDArray], ArrayLike]
 
@@ -47,7 +47,7 @@ def euler(state: State, t: float, u: ArrayLike, f: Rate) -> State:
     Args:
         state: the last state.
         t: time of the new sample [s].
-        u: the sample, shape (m,).
+        u: the sample, shape (m,), of any unit.
         f: rate of x.
 
     Returns:
@@ -95,7 +95,7 @@ def linear(J: ArrayLike) -> Rate:
     """The rate f(x, u) = J u of a constant Jacobian, as in PUCP (7) and (8).
 
     Args:
-        J: shape (n, m).
+        J: shape (n, m) [unit of x over unit of u and s].
 
     Returns:
         f.
@@ -103,9 +103,7 @@ def linear(J: ArrayLike) -> Rate:
     Raises:
         ValueError: J is not a matrix of finite numbers.
     """
-    J = finite(J, "J")
-    if J.ndim != 2:
-        raise ValueError(f"J must be a matrix (n, m), got shape {J.shape}")
+    J = numbers(J, "J", ("n", "m"))
     return lambda x, u: J @ u
 
 
@@ -122,8 +120,8 @@ def run(
         step: `euler`, `heun` or another of their kind, yours too.
         f: rate of x, f(x (n,), u (m,)) -> (n,).
         t: instants, rising, shape (N+1,) [s].
-        u: samples at them, shape (N+1, m).
-        x0: estimate at t[0], shape (n,).
+        u: samples at them, shape (N+1, m), of any unit.
+        x0: estimate at t[0], shape (n,), of any unit.
 
     Returns:
         Shape (N+1, n), the first row x0.
@@ -132,11 +130,8 @@ def run(
         ValueError: shapes that do not fit, a value that is not finite, t that does not rise, a
             rate of another shape than x.
     """
-    t, u, x0 = instants(t), finite(u, "u"), finite(x0, "x0")
-    if u.ndim != 2 or len(u) != len(t):
-        raise ValueError(f"u must be ({len(t)}, m), a sample for each time, got shape {u.shape}")
-    if x0.ndim != 1:
-        raise ValueError(f"x0 must be a row (n,), got shape {x0.shape}")
+    t, x0 = times(t), numbers(x0, "x0", ("n",))
+    u = numbers(u, "u", (len(t), "m"), meaning="a sample for each time")
     if np.shape(f(x0, u[0])) != x0.shape:
         raise ValueError(f"f must give {x0.shape}, as x0, got shape {np.shape(f(x0, u[0]))}")
     state = State(float(t[0]), x0, u[0])
@@ -148,7 +143,7 @@ def run(
 
 
 def _sample(state: State, t: float, u: ArrayLike) -> tuple[float, NDArray]:
-    u = finite(u, "u")
+    u = numbers(u, "u")
     if u.shape != np.shape(state.u):
         raise ValueError(f"u must be as the sample before, {np.shape(state.u)}, got {u.shape}")
     if not t > state.t:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import finite
+from backhoe.basics.inputs import numbers
 from backhoe.localisation.odometry.dead_reckoning import intervals
 
 
@@ -50,7 +50,7 @@ def bilinear_sum(t: ArrayLike, v: ArrayLike, x0: ArrayLike = 0.0) -> NDArray:
 
 def _sum(t: ArrayLike, v: ArrayLike, x0: ArrayLike, rule: str) -> NDArray:
     dt, held = intervals(t, v, rule)
-    x0 = finite(x0, "x0")
+    x0 = numbers(x0, "x0")
     if x0.shape not in ((), held.shape[:-1]):
         raise ValueError(f"x0 must be one position or {held.shape[:-1]} of them, got {x0.shape}")
     x = np.zeros((*held.shape[:-1], len(dt) + 1))

@@ -1,8 +1,7 @@
 """From the angles of two encoders to poses.
 
-Source: Mastalli 2013, Algorithm 1 corrected: with the sinc
-form of the arc it needs no threshold, turns to the right are arcs as well, and one pose serves both
-branches.
+Source: Mastalli 2013, Algorithm 1 corrected: with the sinc form of the arc it needs no threshold,
+turns to the right are arcs as well, and one pose serves both branches.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.checks import finite, positive
+from backhoe.basics.inputs import alike, numbers, positive
 from backhoe.basics.se2 import twist_of_sides
 from backhoe.localisation.odometry.dead_reckoning import integrate
 from backhoe.machine import BACKHOE, Machine
@@ -55,8 +54,9 @@ class Wheels:
         return (self.left + self.right) / 2
 
     def twist(self, left: ArrayLike, right: ArrayLike) -> tuple[NDArray, NDArray]:
-        """v and omega from wheel speeds, or distance and turn from wheel angles, shape (...)."""
-        left, right = self.left * finite(left, "left"), self.right * finite(right, "right")
+        """v [m/s] and omega [rad/s] from wheel speeds [rad/s], or distance [m] and turn [rad] from
+        wheel angles [rad], all of shape (...)."""
+        left, right = self.left * numbers(left, "left"), self.right * numbers(right, "right")
         return twist_of_sides(left, right, self.gauge)
 
 
@@ -84,11 +84,9 @@ def from_angles(
         ValueError: shapes that do not fit, a value that is not finite, an unknown method.
     """
     wheels = Wheels.of() if wheels is None else wheels
-    left, right = finite(left, "left"), finite(right, "right")
-    if left.ndim == 0 or left.shape != right.shape or left.shape[-1] < 2:
-        raise ValueError(
-            "left and right must be alike, with 2 or more readings each, got shapes "
-            f"{left.shape} and {right.shape}"
-        )
+    left, right = numbers(left, "left", (..., "n")), numbers(right, "right", (..., "n"))
+    alike(left=left, right=right)
+    if left.shape[-1] < 2:
+        raise ValueError(f"left and right must have 2 or more readings, got shape {left.shape}")
     distance, turn = wheels.twist(np.diff(left), np.diff(right))
     return integrate(pose0, distance, turn, 1.0, method)

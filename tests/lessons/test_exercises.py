@@ -80,3 +80,9 @@ class TestExercise:
 def test_a_known_mistake_gets_its_own_diagnosis(exercise, diagnosis, capsys):
     line = said(capsys, exercise, given(exercise, exercise.mistakes[diagnosis]))
     assert line == f"not yet: {diagnosis}"
+
+
+def test_a_solution_shows_the_private_functions_that_it_calls(capsys):
+    Check(catalogue).solution("6.1")
+    shown = capsys.readouterr().out
+    assert "def bilinear_sum(" in shown and "def _sum(" in shown

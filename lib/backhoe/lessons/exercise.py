@@ -14,7 +14,9 @@ from functools import partial
 
 import numpy as np
 
-__all__ = ["Exercise", "source_of"]
+from backhoe.basics.inputs import not_negative, positive
+
+__all__ = ["Exercise", "source_of", "sources_of"]
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,8 @@ class Exercise:
             raise ValueError(f'an exercise is numbered like "1.2", got {self.number!r}')
         for text in (self.title, *self.hints, *self.mistakes):
             _one_line(f"every text of exercise {self.number}", text)
-        if min(self.rtol, self.atol) < 0 or self.timeout <= 0:
-            raise ValueError(f"exercise {self.number}: tolerances >= 0 and a timeout > 0, please")
+        not_negative(self.rtol, "rtol"), not_negative(self.atol, "atol")
+        positive(self.timeout, "timeout", "s")
         if getattr(self.reference, "__name__", "") == "<lambda>":
             raise ValueError(
                 f"exercise {self.number}: the reference is a lambda; name it, its source is shown"
@@ -115,6 +117,24 @@ def source_of(function: object) -> object:
             function = function.__wrapped__
         else:
             return function
+
+
+def sources_of(function: object) -> list[object]:
+    """The plain Python function and the private ones of its module that it calls, in that order."""
+    found = [source_of(function)]
+    for one in found:
+        codes = [one.__code__]
+        for code in codes:
+            codes += filter(inspect.iscode, code.co_consts)
+        called = [one.__globals__.get(name) for code in codes for name in code.co_names]
+        found += [
+            other
+            for other in dict.fromkeys(filter(inspect.isfunction, called))
+            if other.__name__[0] == "_"
+            and other.__module__ == one.__module__
+            and other not in found
+        ]
+    return found
 
 
 def _one_line(what: str, text: str) -> None:

@@ -42,7 +42,7 @@ from backhoe.course.checking import guard
 from backhoe.course.checking.answers import ask, prepare
 from backhoe.course.checking.diagnosis import diagnose, is_untouched
 from backhoe.course.checking.outcomes import show
-from backhoe.lessons.exercise import Exercise, source_of
+from backhoe.lessons.exercise import Exercise, source_of, sources_of
 
 __all__ = ["Check"]
 
@@ -96,7 +96,7 @@ class Check:
         print(f"exercise {exercise.number}: hint {place} of {len(exercise.hints)}: {hint}")
 
     def solution(self, number: str) -> None:
-        """Print the reference: the source of the library's own function, or the value.
+        """Print the reference: the source of the function, with what it is made of, or the value.
 
         A teacher turns solutions off with the environment variable BACKHOE_SOLUTIONS=off.
 
@@ -112,7 +112,7 @@ class Check:
             for name, value in getattr(exercise.reference, "keywords", {}).items():
                 place += f", {name}={value!r}"
             print(f"exercise {exercise.number}: one solution, {place}:\n")
-            print(inspect.getsource(function).rstrip())
+            print("\n\n".join(inspect.getsource(one).rstrip() for one in sources_of(function)))
         else:
             print(f"exercise {exercise.number}: the answer is {show(exercise.reference)}")
 

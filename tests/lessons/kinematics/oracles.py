@@ -18,7 +18,7 @@ def seen_by_the_forward_kinematics(answer, direction, pitches):
 
 
 def tip_in_the_plane_of_the_arm(answer, q):
-    """The tip's frame, turned back by the swing, has that distance, height and pitch."""
+    """The tip's frame, turned back by the swing, has that place and pitch, whole turns counted."""
     T = kinematics.forward_kinematics(q)
     outwards, up = np.array([-np.sin(q[0]), np.cos(q[0]), 0.0]), np.array([0.0, 0.0, 1.0])
     rho, z, pitch = answer
@@ -26,6 +26,7 @@ def tip_in_the_plane_of_the_arm(answer, q):
     np.testing.assert_allclose((rho, z), (outwards @ place, up @ place), atol=1e-12)
     seen = outwards @ T[:3, 0], up @ T[:3, 0]
     np.testing.assert_allclose((np.cos(pitch), np.sin(pitch)), seen, atol=1e-12)
+    assert abs(pitch - q[1:].sum() - sum(link.angle_offset for link in BACKHOE.links)) < 0.1
 
 
 def hanging_from_the_lowest_boom(answer, machine):

@@ -52,10 +52,13 @@ def test_reset_forgets_the_integral():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (([1.0, 2.0], [1.0], [1.0, 1.0]), "one length"),
-        (([1.0], [-1.0], [1.0]), "ki must be finite and not negative"),
+        (
+            ([1.0, 2.0], [1.0], [1.0, 1.0]),
+            r"ki must have shape \(2,\), got shape \(1,\)",
+        ),
+        (([1.0], [-1.0], [1.0]), "ki must not be negative"),
         (([np.nan], [1.0], [1.0]), "kp must be finite"),
-        (([1.0], [1.0], [1.0], [0.0]), "torque_limit must be positive"),
+        (([1.0], [1.0], [1.0], [0.0]), "torque_limit must be above 0 N m"),
     ],
 )
 def test_bad_gains_are_named(arguments, message):
@@ -66,11 +69,11 @@ def test_bad_gains_are_named(arguments, message):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"q_ref": np.full(4, np.nan)}, "must be finite, their differences are"),
-        ({"dq": np.full(4, np.inf)}, "must be finite, their differences are"),
-        ({"q_ref": np.zeros((1, 4))}, r"must have shape \(4,\), their differences have \(1, 4\)"),
-        ({"dt": 0.0}, "dt must be a positive time in s, got 0.0"),
-        ({"dt": np.nan}, "dt must be a positive time in s, got nan"),
+        ({"q_ref": np.full(4, np.nan)}, "q_ref - q must be finite, got nan at index 0"),
+        ({"dq": np.full(4, np.inf)}, "dq_ref - dq must be finite, got -inf at index 0"),
+        ({"q_ref": np.zeros((1, 4))}, r"q_ref - q must have shape \(4,\), got shape \(1, 4\)"),
+        ({"dt": 0.0}, r"dt must be one number above 0 \[s\], got 0.0"),
+        ({"dt": np.nan}, r"dt must be one number above 0 \[s\], got nan"),
     ],
 )
 def test_a_bad_sample_is_refused_and_leaves_the_integral_alone(change, says):

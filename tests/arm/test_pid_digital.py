@@ -160,20 +160,21 @@ def test_tustin_rings_where_the_filter_is_faster_than_half_a_sample():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"kp": -1.0}, "kp must be finite and not negative"),
-        ({"ki": np.nan}, "ki must be finite"),
+        ({"kp": -1.0}, "kp must not be negative, got -1.0"),
+        ({"ki": np.nan}, "ki must be finite, got nan"),
         ({"kd": [[1.0]]}, r"kd must be one number or shape \(n,\)"),
-        ({"kd": "1"}, "kd must be a number"),
+        ({"kd": "1"}, "kd must be numbers, got '1'"),
         ({"kp": [1.0, 2.0], "ki": [1.0, 2.0, 3.0]}, "one length, got lengths"),
-        ({"dt": 0.0}, "dt must be a sampling time in s, positive"),
-        ({"dt": np.nan}, "dt must be a sampling time"),
-        ({"derivative_filter": 0.0}, "derivative_filter must be a number N"),
+        ({"dt": 0.0}, r"dt must be one number above 0 \[s\], got 0.0"),
+        ({"dt": np.nan}, r"dt must be one number above 0 \[s\], got nan"),
+        ({"derivative_filter": 0.0}, "derivative_filter must be one number above 0"),
         ({"derivative_filter": 5.0, "filter_time": 0.1}, "not both"),
         ({"derivative_filter": 5.0, "kp": 0.0}, "give filter_time in s instead"),
-        ({"filter_time": -0.1}, "filter_time must be finite and not negative"),
+        ({"filter_time": -0.1}, "filter_time must not be negative"),
         ({"limits": (1.0, -1.0)}, "low below high"),
         ({"limits": 5.0}, r"limits must be \(low, high\)"),
-        ({"limits": (np.nan, 1.0)}, "limits must be numbers"),
+        ({"limits": (np.nan, 1.0)}, "low below high"),
+        ({"limits": (["a"], 1.0)}, "limits must be numbers"),
         ({"anti_windup": "clamp"}, "anti_windup must be one of"),
         ({"form": "bilinear"}, "form must be one of"),
         ({"derivative_of": "output"}, "derivative_of must be one of"),
@@ -190,10 +191,10 @@ def test_bad_arguments_are_named(options, message):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((np.nan, 0.0), "must be finite, got reference nan"),
-        ((0.0, np.inf), "must be finite"),
-        (([1.0, 2.0], 0.0), r"reference must be one number, got shape \(2,\)"),
-        ((0.0, "1"), "measured must be numbers"),
+        ((np.nan, 0.0), "reference must be one finite number, got nan"),
+        ((0.0, np.inf), "measured must be one finite number, got inf"),
+        (([1.0, 2.0], 0.0), r"reference must be one finite number, got \[1.0, 2.0\]"),
+        ((0.0, "1"), "measured must be one finite number, got '1'"),
     ],
 )
 def test_bad_samples_are_refused_and_leave_the_pid_as_it_was(arguments, message):
@@ -207,9 +208,11 @@ def test_bad_samples_are_refused_and_leave_the_pid_as_it_was(arguments, message)
 
 def test_bad_samples_of_many_loops_are_refused():
     pid = DigitalPID([1.0, 2.0], 0.0, 0.0, DT)
-    with pytest.raises(ValueError, match=r"measured must be shape \(2,\), one for each loop"):
+    with pytest.raises(
+        ValueError, match=r"measured must be one for each loop, shape \(2,\), got shape \(\)"
+    ):
         pid([1.0, 1.0], 0.0)
-    with pytest.raises(ValueError, match="must be finite"):
+    with pytest.raises(ValueError, match="reference must be finite, got nan at index 1"):
         pid([1.0, np.nan], [0.0, 0.0])
 
 
@@ -243,5 +246,5 @@ def test_hold_keeps_a_copy_and_starts_anew():
 
 @pytest.mark.parametrize("every", [0, 2.0, True])
 def test_hold_needs_a_whole_number(every):
-    with pytest.raises(ValueError, match="whole number of calls"):
+    with pytest.raises(ValueError, match="every must be one whole number at least 1"):
         SampleHold(every)

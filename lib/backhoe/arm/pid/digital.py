@@ -21,12 +21,10 @@ What (4.6) prints is "backward", though the text calls it Tustin's approximation
 
 from __future__ import annotations
 
-from math import isfinite
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import choice, number, numbers, positive
 
 _FORMS = ("backward", "tustin", "forward")
 _ANTI_WINDUP = ("clamping", "none")
@@ -72,11 +70,11 @@ class DigitalPID:
         form: str = "backward",
         derivative_of: str = "measurement",
     ) -> None:
-        _one_of("anti_windup", anti_windup, _ANTI_WINDUP)
-        _one_of("form", form, _FORMS)
-        _one_of("derivative_of", derivative_of, _DERIVATIVES)
-        self.dt = _positive("dt", dt, "a sampling time in s")
-        gains = [_gain(name, gain) for name, gain in (("kp", kp), ("ki", ki), ("kd", kd))]
+        choice(anti_windup, "anti_windup", _ANTI_WINDUP)
+        choice(form, "form", _FORMS)
+        choice(derivative_of, "derivative_of", _DERIVATIVES)
+        self.dt = positive(dt, "dt", "s")
+        gains = [_row(gain, name) for name, gain in (("kp", kp), ("ki", ki), ("kd", kd))]
         low, high = (-np.inf, np.inf) if limits is None else _pair(limits)
         time = self._filter_time(gains, derivative_filter, filter_time)
         lengths = {len(value) for value in (*gains, low, high, time) if np.ndim(value)}
@@ -114,10 +112,9 @@ class DigitalPID:
         Raises:
             ValueError: Ti is not positive, or as for the class.
         """
-        Ti = real_array(Ti, "Ti must be a time in s")
+        K, Td, Ti = numbers(K, "K"), numbers(Td, "Td"), numbers(Ti, "Ti", finite=False)
         if not (Ti > 0).all():
             raise ValueError(f"Ti must be positive (infinite for no integral), got {Ti}")
-        K, Td = real_array(K, "K must be a gain"), real_array(Td, "Td must be a time in s")
         return cls(K, K / Ti, K * Td, dt, **options)
 
     @classmethod
@@ -137,8 +134,7 @@ class DigitalPID:
         Raises:
             ValueError: as for the class.
         """
-        K = real_array(K, "K must be a gain")
-        Ki, Kd = real_array(Ki, "Ki must be in 1/s"), real_array(Kd, "Kd must be in s")
+        K, Ki, Kd = numbers(K, "K"), numbers(Ki, "Ki"), numbers(Kd, "Kd")
         return cls(K, K * Ki, K * Kd, dt, **options)
 
     def reset(self) -> None:
@@ -162,13 +158,8 @@ class DigitalPID:
         return self._step(reference, measured)
 
     def _step_floats(self, reference: float, measured: float) -> float:
-        if type(reference) is not float:
-            reference = self._checked("reference", reference)
-        if type(measured) is not float:
-            measured = self._checked("measured", measured)
+        reference, measured = number(reference, "reference"), number(measured, "measured")
         error = reference - measured
-        if not isfinite(error):
-            raise _not_finite(reference, measured)
         watched = -measured if self.derivative_of == "measurement" else error
         last = watched if self._last is None else self._last
         proportional = self.kp * error
@@ -187,11 +178,9 @@ class DigitalPID:
         return min(max(proportional + integral + derivative, self.low), self.high)
 
     def _step_arrays(self, reference: ArrayLike, measured: ArrayLike) -> NDArray:
-        reference = self._checked("reference", reference)
-        measured = self._checked("measured", measured)
+        reference = numbers(reference, "reference", self._shape, meaning="one for each loop")
+        measured = numbers(measured, "measured", self._shape, meaning="one for each loop")
         error = reference - measured
-        if not np.isfinite(error).all():
-            raise _not_finite(reference, measured)
         watched = -measured if self.derivative_of == "measurement" else error
         last = watched if self._last is None else self._last
         proportional = self.kp * error
@@ -205,23 +194,16 @@ class DigitalPID:
         self._last = watched
         return np.clip(proportional + integral + derivative, self.low, self.high)
 
-    def _checked(self, name: str, value: ArrayLike) -> float | NDArray:
-        value = real_array(value, f"{name} must be numbers")
-        if value.shape != self._shape:
-            wanted = f"shape {self._shape}, one for each loop" if self._shape else "one number"
-            raise ValueError(f"{name} must be {wanted}, got shape {value.shape}")
-        return value if self._shape else float(value)
-
     def _filter_time(
         self, gains: list[NDArray], N: float | None, filter_time: ArrayLike | None
     ) -> NDArray:
         if N is not None and filter_time is not None:
             raise ValueError("give derivative_filter (N) or filter_time (T_f), not both")
         if filter_time is not None:
-            return _gain("filter_time", filter_time)
+            return _row(filter_time, "filter_time")
         if N is None:
             return np.zeros(())
-        N = _positive("derivative_filter", N, "a number N, usually 3 to 20, or None")
+        N = positive(N, "derivative_filter")
         kp, _, kd = gains
         if np.any((kp == 0) & (kd > 0)):
             raise ValueError(
@@ -250,38 +232,17 @@ def _derivative(kd: ArrayLike, T_f: ArrayLike, dt: float, form: str) -> tuple:
     return (a, b) if np.ndim(kd) else (float(a), float(b))
 
 
-def _gain(name: str, value: ArrayLike) -> NDArray:
-    gain = real_array(value, f"{name} must be a number or a row of numbers")
-    if gain.ndim > 1 or gain.size == 0:
-        raise ValueError(f"{name} must be one number or shape (n,), got shape {gain.shape}")
-    if not (np.isfinite(gain).all() and (gain >= 0).all()):
-        raise ValueError(f"{name} must be finite and not negative, got {value!r}")
-    return gain
+def _row(value: ArrayLike, name: str, *, least: float = 0.0, finite: bool = True) -> NDArray:
+    """One number, shape (), or one for each loop, shape (n,)."""
+    row = numbers(value, name, finite=finite)
+    if row.ndim > 1 or row.size == 0:
+        raise ValueError(f"{name} must be one number or shape (n,), got shape {row.shape}")
+    if (row < least).any():
+        raise ValueError(f"{name} must not be negative, got {row}")
+    return row
 
 
-def _pair(limits: tuple[ArrayLike, ArrayLike]) -> tuple[NDArray, NDArray]:
+def _pair(limits: tuple[ArrayLike, ArrayLike]) -> list[NDArray]:
     if not (isinstance(limits, tuple | list) and len(limits) == 2):
         raise ValueError(f"limits must be (low, high) or None, got {limits!r}")
-    low, high = (real_array(limit, "limits must be numbers (low, high)") for limit in limits)
-    if max(low.ndim, high.ndim) > 1 or np.isnan(low).any() or np.isnan(high).any():
-        raise ValueError(f"limits must be numbers (low, high) or shape (n,) each, got {limits!r}")
-    return low, high
-
-
-def _positive(name: str, value: object, meaning: str) -> float:
-    number = real_array(value, f"{name} must be {meaning}")
-    if number.shape != () or not (np.isfinite(number) and number > 0):
-        raise ValueError(f"{name} must be {meaning}, positive and finite, got {value!r}")
-    return float(number)
-
-
-def _one_of(name: str, value: object, words: tuple[str, ...]) -> None:
-    if not isinstance(value, str) or value not in words:
-        listed = ", ".join(f'"{word}"' for word in words)
-        raise ValueError(f"{name} must be one of {listed}, got {value!r}")
-
-
-def _not_finite(reference: ArrayLike, measured: ArrayLike) -> ValueError:
-    return ValueError(
-        f"reference and measured must be finite, got reference {reference} and measured {measured}"
-    )
+    return [_row(limit, "limits", least=-np.inf, finite=False) for limit in limits]

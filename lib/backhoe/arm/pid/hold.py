@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import real_numbers, whole
 
 
 class SampleHold:
@@ -20,9 +20,7 @@ class SampleHold:
     """
 
     def __init__(self, every: int) -> None:
-        if isinstance(every, bool) or not isinstance(every, int) or every < 1:
-            raise ValueError(f"every must be a whole number of calls, 1 or more, got {every!r}")
-        self.every = every
+        self.every = whole(every, "every", least=1)
         self.reset()
 
     def reset(self) -> None:
@@ -43,6 +41,6 @@ class SampleHold:
             ValueError: value is not made of real numbers.
         """
         if self._calls % self.every == 0:
-            self._held = real_array(value, "value must be numbers").copy()
+            self._held = real_numbers(value, "value").copy()
         self._calls += 1
         return self._held.copy()

@@ -7,11 +7,12 @@ are ours, chosen for the tour with `gravity_torque` added to the PID.
 
 from __future__ import annotations
 
-from math import inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import numbers, positive
 
 
 class Gains(NamedTuple):
@@ -50,23 +51,15 @@ class PID:
         kd: ArrayLike,
         torque_limit: ArrayLike | None = None,
     ) -> None:
-        self.kp, self.ki, self.kd = (np.asarray(gain, dtype=float) for gain in (kp, ki, kd))
-        if self.kp.ndim != 1 or not (self.kp.shape == self.ki.shape == self.kd.shape):
-            raise ValueError(
-                "kp, ki and kd must be three vectors of one length, got shapes "
-                f"{self.kp.shape}, {self.ki.shape} and {self.kd.shape}"
-            )
+        self.kp = numbers(kp, "kp", ("n",), meaning="gains, one for each joint")
+        self.ki, self.kd = numbers(ki, "ki", self.kp.shape), numbers(kd, "kd", self.kp.shape)
         for name in ("kp", "ki", "kd"):
-            gain = getattr(self, name)
-            if not (np.isfinite(gain).all() and (gain >= 0).all()):
-                raise ValueError(f"{name} must be finite and not negative, got {gain}")
-        unlimited = np.full_like(self.kp, np.inf)
-        self.torque_limit = unlimited if torque_limit is None else np.asarray(torque_limit, float)
-        if self.torque_limit.shape != self.kp.shape or not (self.torque_limit > 0).all():
-            raise ValueError(
-                f"torque_limit must be positive, one for each of {len(self.kp)} joints, "
-                f"got {torque_limit}"
-            )
+            if (getattr(self, name) < 0).any():
+                raise ValueError(f"{name} must not be negative, got {getattr(self, name)}")
+        limit = np.full_like(self.kp, np.inf) if torque_limit is None else torque_limit
+        self.torque_limit = numbers(limit, "torque_limit", self.kp.shape, finite=False)
+        if not (self.torque_limit > 0).all():
+            raise ValueError(f"torque_limit must be above 0 N m, got {torque_limit}")
         self.reset()
 
     def reset(self) -> None:
@@ -90,8 +83,9 @@ class PID:
             ValueError: another shape, a value that is not finite, or dt is not positive; the PID
                 is as before then.
         """
-        errors, rates = q_ref - q, dq_ref - dq
-        self._check(errors, rates, dt)
+        errors = numbers(q_ref - q, "q_ref - q", self.kp.shape)
+        rates = numbers(dq_ref - dq, "dq_ref - dq", self.kp.shape)
+        positive(dt, "dt", "s")
         joints = self.kp, self.ki, self.kd, self.torque_limit, errors, rates
         columns = zip(*(values.tolist() for values in joints), strict=True)
         torque = []
@@ -103,17 +97,3 @@ class PID:
                 self.integral[joint] = integral
             torque.append(given)
         return np.array(torque)
-
-    def _check(self, errors: NDArray, rates: NDArray, dt: float) -> None:
-        if not errors.shape == rates.shape == self.kp.shape:
-            raise ValueError(
-                f"q_ref, dq_ref, q and dq must have shape {self.kp.shape}, their differences have "
-                f"{errors.shape} and {rates.shape}"
-            )
-        if not isfinite(sum(errors.tolist()) + sum(rates.tolist())):
-            raise ValueError(
-                "q_ref, dq_ref, q and dq must be finite, their differences are "
-                f"{errors} rad and {rates} rad/s"
-            )
-        if not 0 < dt < inf:
-            raise ValueError(f"dt must be a positive time in s, got {dt!r}")

@@ -420,7 +420,7 @@ ZERO = np.zeros(4)
     [
         (lambda: dynamics.mass_matrix(np.zeros((2, 3))), r"q must end in 4 joints .* \(2, 3\)"),
         (lambda: dynamics.mass_matrix([0, np.nan, 0, 0]), "q must be finite, got nan"),
-        (lambda: dynamics.mass_matrix("posture"), "q must be numbers for the 4 joints"),
+        (lambda: dynamics.mass_matrix("posture"), "q must be numbers, got 'posture'"),
         (lambda: dynamics.gravity_torque(0.0), r"got shape \(\)"),
         (lambda: dynamics.coriolis_matrix(ZERO, np.zeros(5)), r"dq must end in 4 .* \(5,\)"),
         (lambda: dynamics.inverse_dynamics(ZERO, ZERO, [0, 0, 0]), r"ddq must end in 4 joints"),
@@ -450,14 +450,17 @@ ZERO = np.zeros(4)
             lambda: dynamics.forward_dynamics(ZERO, ZERO, ZERO, tip_force="down"),
             "tip_force must be numbers",
         ),
-        (lambda: dynamics.friction_torque(ZERO, smoothing=0.0), "smoothing must be a positive"),
+        (
+            lambda: dynamics.friction_torque(ZERO, smoothing=0.0),
+            "smoothing must be one number above 0",
+        ),
         (
             lambda: dynamics.inverse_dynamics(ZERO, ZERO, ZERO, tip_force=[1, 2]),
-            "tip_force must end in 3 finite components",
+            "tip_force must end in 3 components",
         ),
         (
             lambda: dynamics.inverse_dynamics(ZERO, ZERO, ZERO, tip_force=[1, 2, np.nan]),
-            "tip_force must end in 3 finite components",
+            "tip_force must be finite, got nan at index 2",
         ),
         (
             lambda: dynamics.forward_dynamics(ZERO, ZERO, ZERO, friction=lambda dq: dq[:3]),

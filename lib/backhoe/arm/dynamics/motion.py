@@ -29,7 +29,7 @@ from backhoe.arm.dynamics.postures import (
 )
 from backhoe.arm.kinematics import jacobian, joint_vector
 from backhoe.arm.kinematics.forward import leading_shape
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, positive
 from backhoe.machine import BACKHOE, Machine
 
 Friction = Callable[[NDArray], ArrayLike] | bool | None
@@ -132,8 +132,7 @@ def friction_torque(
     dq = joint_vector(dq, "dq")
     if smoothing is None:
         return machine.viscous * dq + machine.coulomb * np.sign(dq)
-    if not smoothing > 0:
-        raise ValueError(f"smoothing must be a positive speed in rad/s or None, got {smoothing!r}")
+    smoothing = positive(smoothing, "smoothing", "rad/s")
     return machine.viscous * dq + machine.coulomb * np.tanh(dq / smoothing)
 
 
@@ -248,11 +247,7 @@ def _resistance(
         )
     if tip_force is None:
         return resistance
-    force = real_array(tip_force, "tip_force must be numbers (x, y, z) in N")
-    if force.ndim == 0 or force.shape[-1] != 3 or not np.isfinite(force).all():
-        raise ValueError(
-            f"tip_force must end in 3 finite components (x, y, z) in N, got {tip_force!r}"
-        )
+    force = numbers(tip_force, "tip_force", (..., 3), meaning="components (x, y, z) [N]")
     leading_shape(q, dq, force)
     J_T = np.swapaxes(jacobian(q, machine=machine)[..., :3, :], -1, -2)
     load = (J_T @ force[..., None])[..., 0]

@@ -131,11 +131,11 @@ def test_one_actual_point_has_metrics_and_one_reference_point_has_none():
 @pytest.mark.parametrize(
     ("actual", "reference", "message"),
     [
-        (np.empty((0, 2)), SQUARE, "actual needs 1 points or more, got 0"),
-        ([[0, 0, 0]], SQUARE, r"actual must have shape \(n, 2\)"),
-        ([0, 0], SQUARE, r"actual must have shape \(n, 2\)"),
-        ([[np.nan, 0]], SQUARE, "actual must be finite, point 0"),
-        (SQUARE, [[0, 0], [1, np.inf]], "reference must be finite, point 1"),
+        (np.empty((0, 2)), SQUARE, r"actual must be x, y .* got shape \(0, 2\)"),
+        ([[0, 0, 0]], SQUARE, r"actual must be x, y .* shape \(n, 2\)"),
+        ([0, 0], SQUARE, r"actual must be x, y .* shape \(n, 2\)"),
+        ([[np.nan, 0]], SQUARE, r"actual must be finite, got nan at index \(0, 0\)"),
+        (SQUARE, [[0, 0], [1, np.inf]], r"reference must be finite, got inf at index \(1, 1\)"),
         (SQUARE, [["a", "b"]], "reference must be numbers"),
         (SQUARE, [[1, 1], [1, 1]], "reference must go somewhere"),
     ],
@@ -147,7 +147,7 @@ def test_metrics_name_what_is_wrong(actual, reference, message):
 
 @pytest.mark.parametrize("samples", [1, 2.5, True, "many"])
 def test_a_number_of_samples_is_a_whole_number(samples):
-    with pytest.raises(ValueError, match="samples must be a whole number"):
+    with pytest.raises(ValueError, match="samples must be one whole number at least 2"):
         tracking.distances_to_samples(SQUARE, SQUARE, samples)
 
 
@@ -191,7 +191,7 @@ def test_the_effort_is_the_integral_of_the_squares_and_the_change_the_sum_of_the
 
 
 def test_a_run_in_path_mode_has_no_time_error():
-    run = tracking.follow(tracking.p_tracker(), tracking.IdealPlant(), tracking.square(1.0))
+    run = tracking.follow(tracking.TRACKERS["P"](), tracking.IdealPlant(), tracking.square(1.0))
     a = tracking.assess(run)
     assert np.isnan([a.time_error_mean, a.time_error_max, a.lag]).all()
     assert a[:4] == run.metrics

@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from backhoe.basics.angles import wrap
 from backhoe.lessons.path_tracking import printed
 from backhoe.vehicle import tracking
 from backhoe.vehicle.tracking import (
@@ -16,7 +17,6 @@ from backhoe.vehicle.tracking import (
     ScagliaRungeKutta,
     ScagliaTaylor,
     arc,
-    wrap,
 )
 
 T0 = 0.1
@@ -107,13 +107,15 @@ def test_ten_times_heavier_is_a_matter_of_the_sample_time():
 
 @given(ways, ways, angles)
 def test_one_sample_of_linear_interpolation_ends_on_the_goal(dx, dy, theta):
-    V, W = ScagliaLinear(1.0, 1.0)([0.5, -1, theta], [0, 0], goal_at(0.5 + dx, dy - 1), T0)
-    if hypot(dx, dy) < tracking.scaglia_taylor.STILL:
+    pose, goal = [0.5, -1.0, theta], (0.5 + dx, dy - 1.0)
+    V, W = ScagliaLinear(1.0, 1.0)(pose, [0, 0], goal_at(*goal), T0)
+    far = hypot(goal[0] - 0.5, goal[1] + 1.0)
+    if far < tracking.scaglia_taylor.STILL:
         assert (V, W) == (0.0, 0.0)
     else:
-        end = arc([0.5, -1, theta], V, W, T0)
-        np.testing.assert_allclose(end[:2], [0.5 + dx, dy - 1], atol=2e-14 * (1 + abs(theta)))
-        assert abs(V) <= pi / 2 * hypot(dx, dy) / T0 * (1 + 1e-12)
+        end = arc(pose, V, W, T0)
+        np.testing.assert_allclose(end[:2], goal, atol=2e-14 * (1 + abs(theta)))
+        assert abs(V) <= pi / 2 * far / T0 * (1 + 1e-12)
 
 
 def test_linear_interpolation_lands_on_the_goal_in_an_independent_integration_too():
@@ -279,17 +281,20 @@ def test_the_repaired_tracker_brakes_where_the_printed_one_turns_round():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: ScagliaTaylor(0.0), "kv2 must be one number above 0, at most 1"),
+        (lambda: ScagliaTaylor(0.0), "kv2 must be one number above 0 and at most 1"),
         (lambda: ScagliaTaylor(kw2=1.1), "kw2 must be one number"),
         (lambda: ScagliaLinear(np.nan), "kv must be one number"),
         (lambda: ScagliaLinear(kw=[0.4]), "kw must be one number"),
-        (lambda: ScagliaRungeKutta(weight=0.4), "weight must be one number from 0.5 to 1"),
+        (
+            lambda: ScagliaRungeKutta(weight=0.4),
+            "weight must be one number at least 0.5 and at most 1",
+        ),
         (lambda: ScagliaRungeKutta("a"), "kv must be one number"),
-        (lambda: tracking.weight_ratio(1.0, 0.1), "the ratio is infinite"),
+        (lambda: tracking.weight_ratio(1.0, 0.1), "k2 must be one number above 0 and below 1"),
         (lambda: tracking.weight_ratio(0.4, 0.0), "T0 must be one number above 0"),
         (lambda: tracking.speed_modes(0.4, motion="jump"), "motion must be"),
-        (lambda: tracking.speed_modes(0.4, lag=-1.0), "lag must be 0 or more"),
-        (lambda: tracking.speed_modes(0.4, lag=1.0, motion="ramp"), "0 with"),
+        (lambda: tracking.speed_modes(0.4, lag=-1.0), "lag must be one number at least 0"),
+        (lambda: tracking.speed_modes(0.4, lag=1.0, motion="ramp"), 'lag must be 0 with "ramp"'),
     ],
 )
 def test_gains_out_of_range_are_named(make, message):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.inputs import positive
 from backhoe.machine import BACKHOE, Machine
 from backhoe.mission.asking import asked, checked_part, numbers
 from backhoe.mission.believing import LIBRARY, Believing, checked_estimators
@@ -31,7 +32,6 @@ from backhoe.vehicle.tracking import (
     follow,
 )
 from backhoe.vehicle.tracking.follow import tracker_name
-from backhoe.vehicle.tracking.path import positive
 
 if TYPE_CHECKING:
     from backhoe.view.replay import Recorder, Replay

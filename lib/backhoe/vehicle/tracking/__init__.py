@@ -4,7 +4,7 @@
 - `protocol`: what a tracker and a plant are; `ideal_plant`: the plainest plant
 - `pose_error`, `limits`: errors of a pose, speeds that the wheels can do
 - `pid_tracker`, `scaglia_taylor`, `scaglia_linear`, `scaglia_runge_kutta`, `pure_pursuit`: trackers
-- `goals`, `follow`: runs; `polyline`, `progress`, `metrics`, `compare`: how well they went
+- `goals`, `follow`: runs; `polyline`, `foot`, `metrics`, `compare`: how well they went
 """
 
 from backhoe.vehicle.tracking.assessment import Assessment, assess, time_lag
@@ -14,16 +14,16 @@ from backhoe.vehicle.tracking.geometries import circle, figure_eight, from_point
 from backhoe.vehicle.tracking.ideal_plant import IdealPlant, arc
 from backhoe.vehicle.tracking.limits import Limits
 from backhoe.vehicle.tracking.metrics import Metrics, metrics
-from backhoe.vehicle.tracking.path import Path, with_times
-from backhoe.vehicle.tracking.pid_tracker import LoopGains, PIDTracker
+from backhoe.vehicle.tracking.path import Path
+from backhoe.vehicle.tracking.pid_tracker import PIDTracker
 from backhoe.vehicle.tracking.polyline import arc_length, distances, distances_to_samples, length
-from backhoe.vehicle.tracking.pose_error import PoseErrors, pose_errors, wrap
+from backhoe.vehicle.tracking.pose_error import PoseErrors, pose_errors
 from backhoe.vehicle.tracking.protocol import Goal, Plant, Tracker
 from backhoe.vehicle.tracking.pure_pursuit import PurePursuit
 from backhoe.vehicle.tracking.scaglia_linear import ScagliaLinear
 from backhoe.vehicle.tracking.scaglia_runge_kutta import ScagliaRungeKutta, speed_modes
 from backhoe.vehicle.tracking.scaglia_taylor import ScagliaTaylor, weight_ratio
-from backhoe.vehicle.tracking.tuned import TRACKERS, TRACKERS_ON_TRACKS, p_tracker, pi_tracker
+from backhoe.vehicle.tracking.tuned import TRACKERS, TRACKERS_ON_TRACKS
 
 __all__ = [
     "ARRIVAL",
@@ -35,7 +35,6 @@ __all__ = [
     "Goal",
     "IdealPlant",
     "Limits",
-    "LoopGains",
     "Metrics",
     "PIDTracker",
     "Path",
@@ -59,13 +58,9 @@ __all__ = [
     "from_points",
     "length",
     "metrics",
-    "p_tracker",
-    "pi_tracker",
     "pose_errors",
     "speed_modes",
     "square",
     "time_lag",
     "weight_ratio",
-    "with_times",
-    "wrap",
 ]

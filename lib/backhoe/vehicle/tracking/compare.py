@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.inputs import choice
 from backhoe.vehicle.tracking.assessment import Assessment, assess
 from backhoe.vehicle.tracking.follow import Follow, follow
 from backhoe.vehicle.tracking.metrics import Metrics
@@ -43,7 +44,7 @@ class Comparison:
 
     Attributes:
         trackers, paths: their names, in the order given.
-        values: field of `Assessment` -> its numbers, shape (paths, trackers).
+        values: field of `Assessment` -> its numbers in their own units, shape (paths, trackers).
         follows: (tracker, path) -> the run.
     """
 
@@ -53,11 +54,12 @@ class Comparison:
     follows: dict[tuple[str, str], Follow]
 
     def best(self, field: str, decimals: int = 3) -> NDArray:
-        """Which trackers have the best value on each path, to `decimals`; shape (paths, trackers).
+        """Which trackers have the best value on each path, to `decimals` of the field's own unit.
 
         The best d_ratio is the nearest to 1, the best lag the nearest to 0, else the least counts.
+        Shape (paths, trackers), true for the best.
         """
-        bad = np.round(badness(field, self._field(field)), decimals)
+        bad = np.round(_badness(field, self._field(field)), decimals)
         return bad == np.min(bad, axis=1, keepdims=True)
 
     def table(self, fields: Sequence[str] = Metrics._fields, decimals: int = 3) -> str:
@@ -95,18 +97,14 @@ class Comparison:
         Raises:
             ValueError: an unknown path or field; the message lists those that there are.
         """
-        if path not in self.paths:
-            raise ValueError(f"there is no path {path!r}; there are {', '.join(self.paths)}")
-        row = self.paths.index(path)
-        bad = np.column_stack([badness(field, self._field(field)[row]) for field in fields])
+        row = self.paths.index(choice(path, "path", self.paths))
+        bad = np.column_stack([_badness(field, self._field(field)[row]) for field in fields])
         scales = bad.max(axis=0)
         values = np.divide(bad, scales, out=np.zeros_like(bad), where=scales > 0)
         return Radar(tuple(fields), self.trackers, values, scales)
 
     def _field(self, field: str) -> NDArray:
-        if field not in self.values:
-            raise ValueError(f"there is no field {field!r}; there are {', '.join(self.values)}")
-        return self.values[field]
+        return self.values[choice(field, "field", self.values)]
 
 
 def compare(
@@ -152,7 +150,7 @@ def compare(
     return Comparison(tuple(trackers), tuple(paths), values, follows)
 
 
-def badness(field: str, values: NDArray) -> NDArray:
+def _badness(field: str, values: NDArray) -> NDArray:
     """How far values of a metric are from the ideal: |d_ratio - 1|, |lag|, else the value."""
     if field == "d_ratio":
         return np.abs(values - 1)

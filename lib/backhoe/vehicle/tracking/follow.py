@@ -8,22 +8,20 @@ goal moves along the trajectory with the mission's time, wherever the vehicle is
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from math import ceil, hypot, isfinite, nan
+from math import ceil, hypot
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import choice, function, instance, numbers, positive
 from backhoe.vehicle.tracking.goals import TrajectoryGoals, WaypointGoals
 from backhoe.vehicle.tracking.limits import Limits
 from backhoe.vehicle.tracking.metrics import Metrics, metrics
-from backhoe.vehicle.tracking.path import Path, positive
-from backhoe.vehicle.tracking.polyline import distances
+from backhoe.vehicle.tracking.path import Path
 from backhoe.vehicle.tracking.protocol import Goal, Plant, Tracker
 
-MODES = ("path", "trajectory")
 ARRIVAL = 0.2
 """A way-point is reached within this distance [m]: the source's value (section 5.4.1)."""
 
@@ -54,17 +52,12 @@ class Follow:
     path: Path
     mode: str
     reached: bool
-    name: str = field(default="tracker")
+    name: str = "tracker"
 
     @cached_property
     def goal_distance(self) -> NDArray:
         """Distance to the goal, shape (n,) [m]: red in the source's Figs. 5.4 and 5.11-5.13."""
         return np.hypot(*(self.goal - self.pose[:, :2]).T)
-
-    @cached_property
-    def path_distance(self) -> NDArray:
-        """Distance to the nearest point of the path, shape (n,) [m]: blue in those figures."""
-        return distances(self.pose[:, :2], self.path.points)
 
     @cached_property
     def metrics(self) -> Metrics:
@@ -112,27 +105,34 @@ def follow(
         ValueError: an argument out of range, a path without times in trajectory mode, or a tracker
             that returns something else than two finite numbers; the message names the tracker.
     """
-    name = tracker_name(tracker) if name is None else name
-    _check_kinds(tracker, plant, path, mode)
+    function(tracker, "tracker", "tracker(pose, twist, goal, dt) -> v, omega")
+    missing = [part for part in ("pose", "twist", "time", "dt", "step") if not hasattr(plant, part)]
+    if missing:
+        raise TypeError(f"plant must have {', '.join(missing)}, got {plant!r}")
+    instance(path, "path", Path, "make one, such as from_points(points)")
+    in_turn = choice(mode, "mode", ("path", "trajectory")) == "path"
     arrival, speed = positive(arrival, "arrival", "m"), positive(speed, "speed", "m/s")
     hold = _samples_held(plant.dt, getattr(tracker, "period", None) if period is None else period)
     period = hold * plant.dt
-    longest = _patience(plant, path, speed) if mode == "path" else path.end_time
+    longest = _patience(plant, path, speed) if in_turn else path.end_time
     if time_limit is not None:
         limit = positive(time_limit, "time_limit", "s")
-        longest = limit if mode == "path" else min(limit, longest)
+        longest = limit if in_turn else min(limit, longest)
     samples = max(ceil(longest / period - 1e-9), 1)
-    if mode == "path":
+    if in_turn:
         goals = WaypointGoals(path, arrival, speed, period)
     else:
         goals = TrajectoryGoals(path, period, samples)
     limits = getattr(plant, "limits", None) if limits is None else limits
-    getattr(tracker, "reset", _nothing)()
-    log, arrived = _drive(_asking(tracker, name, period, limits), plant, goals, samples, hold)
-    time, pose, twist, command, goal = np.split(np.array(log), (1, 4, 6, 8), axis=1)
-    if mode == "trajectory":
+    name = tracker_name(tracker) if name is None else name
+    if hasattr(tracker, "reset"):
+        tracker.reset()
+    command = _checked(tracker, name, period, limits)
+    log, arrived = _drive(command, plant, goals, samples, hold)
+    time, pose, twist, commands, goal = np.split(np.array(log), (1, 4, 6, 8), axis=1)
+    if not in_turn:
         arrived = hypot(*(pose[-1, :2] - path.points[-1])) <= arrival
-    return Follow(time[:, 0], pose, twist, command, goal, path, mode, bool(arrived), name)
+    return Follow(time[:, 0], pose, twist, commands, goal, path, mode, bool(arrived), name)
 
 
 def tracker_name(tracker: object) -> str:
@@ -141,87 +141,55 @@ def tracker_name(tracker: object) -> str:
 
 
 def _drive(
-    ask: Callable, plant: Plant, goals: WaypointGoals | TrajectoryGoals, samples: int, hold: int
+    command: Callable, plant: Plant, goals: WaypointGoals | TrajectoryGoals, samples: int, hold: int
 ) -> tuple[list[tuple[float, ...]], bool]:
     """Rows of the log (time, pose, twist, command, goal), and whether the goals came to an end."""
-    log, start, given, arrived = [], plant.time, None, False
+    log, start = [], plant.time
+    pose, twist = _state(plant)
+    given, arrived = (0.0, 0.0, *pose[:2]), False
     for sample in range(samples):
-        pose, twist = _state(plant)
         goal = goals.at(sample, pose[0], pose[1])
         if goal is None:
             arrived = True
             break
-        time = plant.time - start
-        command = ask(pose, twist, goal, time)
-        given = (*command, *goal.position.tolist())
+        speeds = command(pose, twist, goal, plant.time - start)
+        given = (*speeds, *goal.position.tolist())
         for _ in range(hold):
             log.append((plant.time - start, *pose, *twist, *given))
-            plant.step(*command)
+            plant.step(*speeds)
             pose, twist = _state(plant)
-    pose, twist = _state(plant)
-    if given is None:
-        given = (0.0, 0.0, *pose[:2])
     log.append((plant.time - start, *pose, *twist, *given))
     return log, arrived
 
 
-def _asking(
+def _checked(
     tracker: Tracker, name: str, period: float, limits: Limits | None
 ) -> Callable[[list[float], list[float], Goal, float], tuple[float, float]]:
     """The tracker with its answer checked and cut to the limits."""
 
-    def ask(pose: list[float], twist: list[float], goal: Goal, time: float) -> tuple[float, float]:
+    def command(
+        pose: list[float], twist: list[float], goal: Goal, time: float
+    ) -> tuple[float, float]:
         try:
             answer = tracker(np.array(pose), np.array(twist), goal, period)
         except Exception as error:
             error.add_note(f"raised by tracker {name!r} at t = {time:.2f} s")
             raise
-        v, omega = _two_numbers(answer, name, time)
+        try:
+            v, omega = numbers(answer, "speeds", (2,)).tolist()
+        except ValueError as error:
+            raise ValueError(
+                f"tracker {name!r} must return v, omega: two finite numbers [m/s, rad/s]; "
+                f"at t = {time:.2f} s it returned {answer!r}"
+            ) from error
         return (v, omega) if limits is None else limits.apply(v, omega)
 
-    return ask
-
-
-def _two_numbers(answer: object, name: str, time: float) -> tuple[float, float]:
-    try:
-        v, omega = answer
-        if not (isinstance(v, float) and isinstance(omega, float)):
-            v, omega = real_array(answer, "speeds").tolist()
-            v, omega = float(v), float(omega)
-    except (TypeError, ValueError, OverflowError):
-        v = omega = nan
-    if isfinite(v) and isfinite(omega):
-        return v, omega
-    raise ValueError(
-        f"tracker {name!r} must return v, omega: two finite numbers [m/s, rad/s]; "
-        f"at t = {time:.2f} s it returned {answer!r}"
-    )
+    return command
 
 
 def _state(plant: Plant) -> tuple[list[float], list[float]]:
-    pose, twist = np.asarray(plant.pose), np.asarray(plant.twist)
-    if pose.shape == (3,) and twist.shape == (2,):
-        pose, twist = pose.tolist(), twist.tolist()
-        if isfinite(sum(pose)) and isfinite(sum(twist)):
-            return pose, twist
-    raise ValueError(
-        f"the plant must have a finite pose (3,) and twist (2,), got {pose} and {twist} "
-        f"at t = {plant.time:.2f} s"
-    )
-
-
-def _check_kinds(tracker: object, plant: object, path: object, mode: object) -> None:
-    if not callable(tracker):
-        raise TypeError(
-            f"tracker must be callable as tracker(pose, twist, goal, dt), got {tracker!r}"
-        )
-    missing = [part for part in ("pose", "twist", "time", "dt", "step") if not hasattr(plant, part)]
-    if missing:
-        raise TypeError(f"plant must have {', '.join(missing)}, got {plant!r}")
-    if not isinstance(path, Path):
-        raise TypeError(f"path must be a tracking.Path, such as from_points(points), got {path!r}")
-    if mode not in MODES:
-        raise ValueError(f'mode must be "path" or "trajectory", got {mode!r}')
+    pose = numbers(plant.pose, "the plant's pose", (3,), meaning="x, y, heading")
+    return pose.tolist(), numbers(plant.twist, "the plant's twist", (2,)).tolist()
 
 
 def _samples_held(dt: float, period: float | None) -> int:
@@ -238,7 +206,3 @@ def _samples_held(dt: float, period: float | None) -> int:
 def _patience(plant: Plant, path: Path, speed: float) -> float:
     approach = float(np.hypot(*(path.points[0] - np.asarray(plant.pose)[:2])))
     return 10.0 + 4.0 * (approach + path.length) / speed
-
-
-def _nothing() -> None:
-    """What a tracker without `reset` does before a run."""

@@ -10,9 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
-from backhoe.vehicle.tracking.path import Path, positive
-from backhoe.vehicle.tracking.polyline import points_array
+from backhoe.basics.inputs import number, numbers, positive, whole
+from backhoe.vehicle.tracking.path import Path
 
 
 def circle(
@@ -27,16 +26,16 @@ def circle(
     Args:
         radius: radius [m]; the source's is 1.5 m.
         points: number of segments, three or more.
-        centre: x, y [m].
+        centre: x, y, shape (2,) [m].
         start_angle: direction from the centre to the first point [rad].
 
     Raises:
         ValueError: radius not positive, fewer than three points, centre or angle not finite.
     """
     radius = positive(radius, "radius", "m")
-    angle = _place(start_angle, (), "start_angle", "rad") + _turn(points)
+    angle = number(start_angle, "start_angle", "rad") + _turn(points)
     ring = radius * np.column_stack([np.cos(angle), np.sin(angle)])
-    return Path(_place(centre, (2,), "centre", "m") + _close(ring))
+    return Path(numbers(centre, "centre", (2,)) + _close(ring))
 
 
 def square(
@@ -47,14 +46,14 @@ def square(
     Args:
         side: length of a side [m].
         spacing: way-points on the sides are this far apart or closer [m]; None: corners alone.
-        corner: x, y of the first point [m].
+        corner: x, y of the first point, shape (2,) [m].
 
     Raises:
         ValueError: side or spacing not positive, corner not two finite numbers.
     """
     side = positive(side, "side", "m")
     corners = side * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
-    path = Path(_place(corner, (2,), "corner", "m") + corners)
+    path = Path(numbers(corner, "corner", (2,)) + corners)
     return path if spacing is None else path.resample(spacing)
 
 
@@ -68,7 +67,7 @@ def figure_eight(radius: float = 1.5, *, points: int = 120, centre: ArrayLike = 
         radius: R, half its length along x and the radius of the tightest curve [m].
         points: number of segments, three or more; a multiple of 4 has a point on the crossing
             and on both ends.
-        centre: x, y of the crossing [m].
+        centre: x, y of the crossing, shape (2,) [m].
 
     Raises:
         ValueError: radius not positive, fewer than three points, centre not two finite numbers.
@@ -76,7 +75,7 @@ def figure_eight(radius: float = 1.5, *, points: int = 120, centre: ArrayLike = 
     radius = positive(radius, "radius", "m")
     t = _turn(points)
     loop = radius * np.column_stack([np.sin(t), np.sin(t) * np.cos(t)])
-    return Path(_place(centre, (2,), "centre", "m") + _close(loop))
+    return Path(numbers(centre, "centre", (2,)) + _close(loop))
 
 
 def from_points(points: ArrayLike, spacing: float | None = None) -> Path:
@@ -89,22 +88,13 @@ def from_points(points: ArrayLike, spacing: float | None = None) -> Path:
     Raises:
         ValueError: as `Path` and `Path.resample` say.
     """
-    path = Path(points_array(points, "points"))
+    path = Path(points)
     return path if spacing is None else path.resample(spacing)
 
 
 def _turn(points: int) -> NDArray:
-    if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 3:
-        raise ValueError(f"points must be a whole number, 3 or more, got {points!r}")
-    return np.linspace(0.0, 2 * np.pi, points, endpoint=False)
+    return np.linspace(0.0, 2 * np.pi, whole(points, "points", least=3), endpoint=False)
 
 
 def _close(ring: NDArray) -> NDArray:
     return np.vstack([ring, ring[:1]])
-
-
-def _place(value: ArrayLike, shape: tuple[int, ...], name: str, unit: str) -> NDArray:
-    array = real_array(value, f"{name} must be numbers of shape {shape} [{unit}]")
-    if array.shape != shape or not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite, of shape {shape} [{unit}], got {value!r}")
-    return array

@@ -7,8 +7,7 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.vehicle.tracking.path import positive
-from backhoe.vehicle.tracking.protocol import _floats
+from backhoe.basics.inputs import numbers, positive
 
 
 def arc(pose: ArrayLike, v: float, omega: float, time: float) -> NDArray:
@@ -24,7 +23,7 @@ def arc(pose: ArrayLike, v: float, omega: float, time: float) -> NDArray:
     Returns:
         Shape (3,) [m, m, rad], the heading not wrapped.
     """
-    x, y, theta = _floats(pose, 3, "pose must be x, y, heading")
+    x, y, theta = numbers(pose, "pose", (3,), meaning="x, y, heading").tolist()
     half = omega * time / 2
     chord = v * time * (sin(half) / half if half else 1.0)
     return np.array(
@@ -45,7 +44,7 @@ class IdealPlant:
 
     def __init__(self, dt: float = 0.02, pose: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         self.dt = positive(dt, "dt", "s")
-        self._start = np.array(_floats(pose, 3, "pose must be x, y, heading"))
+        self._start = numbers(pose, "pose", (3,), meaning="x, y, heading").copy()
         self.reset()
 
     def reset(self) -> None:

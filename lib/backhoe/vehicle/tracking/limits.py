@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from backhoe.basics.inputs import positive
 from backhoe.machine import BACKHOE, Machine
-from backhoe.vehicle.tracking.path import positive
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, positive, times
 from backhoe.vehicle.tracking import waypoint_file
 from backhoe.vehicle.tracking.polyline import arc_length, points_array, subdivide
 
@@ -24,7 +24,7 @@ class Path:
 
     Args:
         points: x, y of each, shape (n, 2), n >= 2 [m]; copied.
-        times: when to be at each, shape (n,), rising from 0 or later [s]; or None.
+        times: when to be at each, shape (n,), rising from 0 or later [s]; or None; copied.
 
     Raises:
         ValueError: fewer than two points, all points the same, another shape, a value that is not
@@ -35,7 +35,7 @@ class Path:
     times: NDArray | None = None
 
     def __post_init__(self) -> None:
-        points = points_array(self.points, "a path's points").copy()
+        points = points_array(self.points, "points").copy()
         if not np.ptp(points, axis=0).any():
             raise ValueError(
                 f"a path must go somewhere: all its {len(points)} points are {points[0].tolist()}"
@@ -62,18 +62,6 @@ class Path:
     def length(self) -> float:
         """Length of the path [m]."""
         return float(self.arc[-1])
-
-    @property
-    def closed(self) -> bool:
-        """Whether the last point is the first one again, to a millionth of the length."""
-        gap = np.hypot(*(self.points[-1] - self.points[0]))
-        return bool(gap <= 1e-6 * self.length)
-
-    @property
-    def duration(self) -> float:
-        """Time from the first point to the last [s]; ValueError without times."""
-        times = self._times()
-        return float(times[-1] - times[0])
 
     @property
     def end_time(self) -> float:
@@ -126,17 +114,23 @@ class Path:
         Raises:
             ValueError: the path has no times, or t is not finite numbers.
         """
-        times, t = self._times(), _finite(t, "t")
+        times, t = self._times(), numbers(t, "t")
         x, y = self.points.T
         return np.stack([np.interp(t, times, x), np.interp(t, times, y)], axis=-1)
 
     def speed_at(self, t: ArrayLike) -> NDArray:
-        """Speed of the trajectory at time t, shape of t [m/s]: 0 before it starts and after it.
+        """Speed of the trajectory at time t: 0 before it starts and after it.
+
+        Args:
+            t: times, shape (...) [s].
+
+        Returns:
+            Shape (...) [m/s].
 
         Raises:
             ValueError: the path has no times, or t is not finite numbers.
         """
-        times, t = self._times(), _finite(t, "t")
+        times, t = self._times(), numbers(t, "t")
         speeds = np.concatenate([[0.0], np.diff(self.arc) / np.diff(times), [0.0]])
         return speeds[np.searchsorted(times, t, side="right")]
 
@@ -155,40 +149,11 @@ class Path:
         return self.times
 
 
-def with_times(path: Path, speed: float) -> Path:
-    """`path` as a trajectory driven at one speed [m/s]; see `Path.with_times`."""
-    return path.with_times(speed)
-
-
-def positive(value: float, name: str, unit: str) -> float:
-    """`value` as a float; ValueError unless it is one finite number above 0."""
-    number = real_array(value, f"{name} must be a number above 0 [{unit}]")
-    if number.ndim or not np.isfinite(number) or number <= 0:
-        raise ValueError(f"{name} must be one number above 0 [{unit}], got {value!r}")
-    return float(number)
-
-
-def _finite(values: ArrayLike, name: str) -> NDArray:
-    array = real_array(values, f"{name} must be numbers")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite, got {values!r}")
-    return array
-
-
-def _rising(times: ArrayLike, count: int) -> NDArray:
-    times = real_array(times, "a path's times must be numbers [s]").copy()
-    if times.shape != (count,):
-        raise ValueError(f"times must be one for each of {count} points, got shape {times.shape}")
-    if not np.isfinite(times).all():
-        raise ValueError(f"times must be finite, got {times[~np.isfinite(times)][0]}")
-    falls = np.flatnonzero(np.diff(times) <= 0)
-    if len(falls):
-        k = falls[0]
-        raise ValueError(
-            f"times must rise from point to point: point {k} at {times[k]} s is followed by "
-            f"point {k + 1} at {times[k + 1]} s"
-        )
-    if times[0] < 0:
-        raise ValueError(f"times must start at 0 or later, the first is {times[0]} s")
-    times.setflags(write=False)
-    return times
+def _rising(given: ArrayLike, count: int) -> NDArray:
+    given = times(given, "times").copy()
+    if len(given) != count:
+        raise ValueError(f"times must be one for each of {count} points, got {len(given)}")
+    if given[0] < 0:
+        raise ValueError(f"times must start at 0 or later, the first is {given[0]} s")
+    given.setflags(write=False)
+    return given

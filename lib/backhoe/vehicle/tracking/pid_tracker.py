@@ -8,31 +8,24 @@ limited again, turning first.
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
 
 from numpy.typing import ArrayLike
 
 from backhoe.arm.pid import DigitalPID
+from backhoe.basics.inputs import not_negative, numbers
 from backhoe.vehicle.tracking.limits import Limits
-from backhoe.vehicle.tracking.pose_error import errors_in_floats
-from backhoe.vehicle.tracking.protocol import Goal, _floats, situation
-
-
-class LoopGains(NamedTuple):
-    """kp, ki [1/s] and kd [s] of one loop, per m or rad of error; ki and kd may be left out."""
-
-    kp: float
-    ki: float = 0.0
-    kd: float = 0.0
+from backhoe.vehicle.tracking.pose_error import pose_errors
+from backhoe.vehicle.tracking.protocol import Goal
 
 
 class PIDTracker:
     """Position control by three PIDs.
 
     Args:
-        rho: gains kp, ki, kd from distance to speed [1/s, 1/s^2, 1].
-        dy: gains from lateral error to turning speed [rad/(m s), rad/(m s^2), rad/m].
-        alpha: gains from angle to turning speed [1/s, 1/s^2, 1].
+        rho: gains kp, ki, kd, or the first of them, from distance to speed, shape (1,) to (3,)
+            [1/s, 1/s^2, 1].
+        dy: the same from lateral error to turning speed [rad/(m s), rad/(m s^2), rad/m].
+        alpha: the same from angle to turning speed [1/s, 1/s^2, 1].
         rho_alpha: alpha counts within this distance of the way-point [m].
         limits: of the vehicle, for the PIDs' anti-windup; None: no limits.
         reset_at_waypoints: forget the integrals at each new way-point, as Code 5.2 does (5.1
@@ -54,11 +47,9 @@ class PIDTracker:
         reset_at_waypoints: bool = False,
     ) -> None:
         self.rho, self.dy, self.alpha = (
-            _gains(name, gains) for name, gains in (("rho", rho), ("dy", dy), ("alpha", alpha))
+            _gains(gains, name) for name, gains in (("rho", rho), ("dy", dy), ("alpha", alpha))
         )
-        if not rho_alpha >= 0:
-            raise ValueError(f"rho_alpha must be a distance, 0 or more [m], got {rho_alpha!r}")
-        self.rho_alpha = float(rho_alpha)
+        self.rho_alpha = not_negative(rho_alpha, "rho_alpha", "m")
         self.limits = limits
         self.reset_at_waypoints = reset_at_waypoints
         self.reset()
@@ -73,10 +64,8 @@ class PIDTracker:
         self, pose: ArrayLike, twist: ArrayLike, goal: Goal, dt: float
     ) -> tuple[float, float]:
         """v, omega [m/s, rad/s] for one sample; see `protocol.Tracker`."""
-        now = situation(pose, twist, goal)
-        here = _floats(goal.position, 2, "goal.position must be x, y")
-        after = _floats(goal.next_position, 2, "goal.next_position must be x, y")
-        errors = errors_in_floats(now.dx, now.dy, now.theta, after[0] - here[0], after[1] - here[1])
+        numbers(twist, "twist", (2,), meaning="v, omega")
+        errors = pose_errors(pose, goal.position, goal.next_position)
         drive, turn, align = self._ready(goal, dt)
         v = drive(errors.rho, 0.0)
         near = errors.rho <= self.rho_alpha
@@ -110,11 +99,10 @@ class PIDTracker:
         )
 
 
-def _gains(name: str, gains: ArrayLike) -> LoopGains:
-    try:
-        loop = LoopGains(*(float(gain) for gain in gains))
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{name} must be kp, ki, kd or fewer, got {gains!r}") from error
-    if not all(0 <= gain < inf for gain in loop):
-        raise ValueError(f"{name} must be gains kp, ki, kd, finite and not negative, got {gains!r}")
-    return loop
+def _gains(gains: ArrayLike, name: str) -> tuple[float, float, float]:
+    """kp, ki, kd; those that are left out are 0."""
+    wanted = "gains kp, ki, kd or fewer"
+    given = [not_negative(gain, name) for gain in numbers(gains, name, ("n",), meaning=wanted)]
+    if len(given) > 3:
+        raise ValueError(f"{name} must be {wanted}, got {len(given)}")
+    return (*given, 0.0, 0.0)[:3]

@@ -9,33 +9,22 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, whole
 from backhoe.basics.tiles import for_each_tile
 
 _PAIRS_IN_A_TILE = 2**15
 
 
-def points_array(points: ArrayLike, name: str, least: int = 2) -> NDArray:
-    """`points` as an array of floats (n, 2), checked.
-
-    Args:
-        points: x, y of each point, shape (n, 2) [m].
-        name: what the error calls them.
-        least: smallest number of points allowed.
-
-    Raises:
-        ValueError: another shape, fewer points than `least`, or a value that is not a finite
-            number; the message names the first bad point.
-    """
-    array = real_array(points, f"{name} must be numbers of shape (n, 2) [m]")
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise ValueError(f"{name} must have shape (n, 2): x, y [m] a row; got shape {array.shape}")
-    if len(array) < least:
-        raise ValueError(f"{name} needs {least} points or more, got {len(array)}")
-    bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
-    if len(bad):
-        raise ValueError(f"{name} must be finite, point {bad[0]} is {array[bad[0]].tolist()}")
+def points_array(points: ArrayLike, name: str) -> NDArray:
+    """`points` of a polyline, two or more, as an array of floats (n, 2) [m]; ValueError else."""
+    array = _places(points, name)
+    if len(array) < 2:
+        raise ValueError(f"{name} needs 2 points or more, got {len(array)}")
     return array
+
+
+def _places(points: ArrayLike, name: str) -> NDArray:
+    return numbers(points, name, ("n", 2), meaning="x, y [m] a row")
 
 
 def arc_length(points: NDArray) -> NDArray:
@@ -51,12 +40,12 @@ def arc_length(points: NDArray) -> NDArray:
 
 
 def length(points: ArrayLike) -> float:
-    """Length of the polyline [m]; 0 for a single point.
+    """Length of the polyline through points (n, 2) [m]; 0 for a single point.
 
     Raises:
         ValueError: points are not finite numbers of shape (n, 2).
     """
-    return float(arc_length(points_array(points, "points", least=1))[-1])
+    return float(arc_length(_places(points, "points"))[-1])
 
 
 def subdivide(points: NDArray, spacing: float) -> NDArray:
@@ -89,7 +78,7 @@ def distances(actual: ArrayLike, reference: ArrayLike) -> NDArray:
         ValueError: not finite numbers of those shapes, no actual point, fewer than two reference
             points.
     """
-    actual = points_array(actual, "actual", least=1)
+    actual = _places(actual, "actual")
     reference = points_array(reference, "reference")
     ax, ay = reference[:-1].T
     dx, dy = np.diff(reference, axis=0).T
@@ -128,11 +117,9 @@ def distances_to_samples(actual: ArrayLike, reference: ArrayLike, samples: int) 
     Raises:
         ValueError: not finite numbers of those shapes, or fewer than two samples.
     """
-    actual = points_array(actual, "actual", least=1)
+    actual = _places(actual, "actual")
     reference = points_array(reference, "reference")
-    if isinstance(samples, bool) or not isinstance(samples, int | np.integer) or samples < 2:
-        raise ValueError(f"samples must be a whole number, 2 or more, got {samples!r}")
-    arc = arc_length(reference)
+    samples, arc = whole(samples, "samples", least=2), arc_length(reference)
     at = np.linspace(0.0, arc[-1], samples)
     px, py = (np.interp(at, arc, axis) for axis in reference.T)
     nearest = np.empty(len(actual))

@@ -8,12 +8,13 @@ contrary; here alpha = phi - theta. Angles are wrapped, which the print leaves o
 
 from __future__ import annotations
 
-from math import atan2, hypot, pi, remainder, sin
+from math import atan2, hypot, sin
 from typing import NamedTuple
 
 from numpy.typing import ArrayLike
 
-from backhoe.vehicle.tracking.protocol import _floats
+from backhoe.basics.angles import wrap
+from backhoe.basics.inputs import numbers
 
 
 class PoseErrors(NamedTuple):
@@ -22,12 +23,6 @@ class PoseErrors(NamedTuple):
     rho: float
     dy: float
     alpha: float
-
-
-def wrap(angle: float) -> float:
-    """The same direction as `angle` [rad], within (-pi, pi]."""
-    wrapped = remainder(angle, 2 * pi)
-    return pi if wrapped <= -pi else wrapped
 
 
 def pose_errors(
@@ -49,20 +44,11 @@ def pose_errors(
     Raises:
         ValueError: not three or two finite numbers.
     """
-    x, y, theta = _floats(pose, 3, "pose must be x, y, heading")
-    goal_x, goal_y = _floats(waypoint, 2, "waypoint must be x, y")
-    if next_waypoint is None:
-        return errors_in_floats(goal_x - x, goal_y - y, theta, 0.0, 0.0)
-    next_x, next_y = _floats(next_waypoint, 2, "next_waypoint must be x, y")
-    return errors_in_floats(goal_x - x, goal_y - y, theta, next_x - goal_x, next_y - goal_y)
-
-
-def errors_in_floats(
-    dx: float, dy: float, theta: float, onward_x: float, onward_y: float
-) -> PoseErrors:
-    """`pose_errors` of the ways to the way-point and onward from there, in floats [m]."""
-    rho = hypot(dx, dy)
-    beta = atan2(dy, dx) - theta
-    if onward_x == 0.0 and onward_y == 0.0:
-        return PoseErrors(rho, rho * sin(beta), 0.0)
-    return PoseErrors(rho, rho * sin(beta), wrap(atan2(onward_y, onward_x) - theta))
+    x, y, theta = numbers(pose, "pose", (3,), meaning="x, y, heading").tolist()
+    goal_x, goal_y = numbers(waypoint, "waypoint", (2,), meaning="x, y").tolist()
+    after = waypoint if next_waypoint is None else next_waypoint
+    next_x, next_y = numbers(after, "next_waypoint", (2,), meaning="x, y").tolist()
+    rho, beta = hypot(goal_x - x, goal_y - y), atan2(goal_y - y, goal_x - x) - theta
+    onward = next_x - goal_x, next_y - goal_y
+    alpha = wrap(atan2(onward[1], onward[0]) - theta) if any(onward) else 0.0
+    return PoseErrors(rho, rho * sin(beta), alpha)

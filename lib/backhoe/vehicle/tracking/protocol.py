@@ -11,11 +11,11 @@ driven: the equations of a vehicle or a simulated machine.
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import NamedTuple, Protocol, runtime_checkable
 
-import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import numbers
 
 
 class Goal(NamedTuple):
@@ -93,17 +93,7 @@ def situation(pose: ArrayLike, twist: ArrayLike, goal: Goal) -> Situation:
     Raises:
         ValueError: pose is not three finite numbers, or twist or goal.position not two.
     """
-    x, y, theta = _floats(pose, 3, "pose must be x, y, heading")
-    v, omega = _floats(twist, 2, "twist must be v, omega")
-    goal_x, goal_y = _floats(goal.position, 2, "goal.position must be x, y")
+    x, y, theta = numbers(pose, "pose", (3,), meaning="x, y, heading").tolist()
+    v, omega = numbers(twist, "twist", (2,), meaning="v, omega").tolist()
+    goal_x, goal_y = numbers(goal.position, "goal.position", (2,), meaning="x, y").tolist()
     return Situation(x, y, theta, v, omega, goal_x - x, goal_y - y)
-
-
-def _floats(values: ArrayLike, count: int, wanted: str) -> list[float]:
-    try:
-        floats = values.tolist() if isinstance(values, np.ndarray) else [float(v) for v in values]
-        if len(floats) == count and all(map(isfinite, floats)):
-            return floats
-    except (TypeError, ValueError, OverflowError):
-        pass
-    raise ValueError(f"{wanted}: {count} finite numbers; got {values!r}")

@@ -19,10 +19,10 @@ from math import atan2, copysign, hypot, inf, pi, sin, sqrt
 
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.vehicle.tracking.path import positive
+from backhoe.basics.angles import wrap
+from backhoe.basics.inputs import not_negative, positive
+from backhoe.vehicle.tracking.foot import Foot
 from backhoe.vehicle.tracking.polyline import points_array
-from backhoe.vehicle.tracking.pose_error import wrap
-from backhoe.vehicle.tracking.progress import Progress
 from backhoe.vehicle.tracking.protocol import Goal, situation
 
 
@@ -56,9 +56,7 @@ class PurePursuit:
         self.lookahead = positive(lookahead, "lookahead", "m")
         self.speed = None if speed is None else positive(speed, "speed", "m/s")
         self.window = 2 * self.lookahead if window is None else positive(window, "window", "m")
-        if not 0 <= catch_up < inf:
-            raise ValueError(f"catch_up must be 0 or more [1/s], got {catch_up!r}")
-        self.catch_up = catch_up
+        self.catch_up = not_negative(catch_up, "catch_up", "1/s")
         self.reset()
 
     def reset(self) -> None:
@@ -72,8 +70,8 @@ class PurePursuit:
         now = situation(pose, twist, goal)
         if goal.path is not self._path:
             points = points_array(goal.path, "goal.path")
-            self._path, self._foot = goal.path, Progress(points, self.window)
-            self._goal = Progress(points, self.window)
+            self._path, self._foot = goal.path, Foot(points, self.window)
+            self._goal = Foot(points, self.window)
         limit = inf if goal.waypoint is None else self._foot.arc[goal.waypoint]
         self._foot.move_to(now.x, now.y, limit)
         if self._passed(now.x, now.y):

@@ -24,9 +24,10 @@ from math import atan2, hypot, pi, sin
 
 from numpy.typing import ArrayLike
 
-from backhoe.vehicle.tracking.pose_error import wrap
+from backhoe.basics.angles import wrap
+from backhoe.basics.inputs import number, positive
 from backhoe.vehicle.tracking.protocol import Goal, situation
-from backhoe.vehicle.tracking.scaglia_taylor import STILL, gain, sample_time
+from backhoe.vehicle.tracking.scaglia_taylor import STILL
 
 
 class ScagliaLinear:
@@ -41,8 +42,9 @@ class ScagliaLinear:
     """
 
     def __init__(self, kv: float = 0.4, kw: float = 0.4, *, period: float | None = None) -> None:
-        self.kv, self.kw = gain(kv, "kv"), gain(kw, "kw")
-        self.period = sample_time(period)
+        self.kv = number(kv, "kv", above=0.0, most=1.0)
+        self.kw = number(kw, "kw", above=0.0, most=1.0)
+        self.period = None if period is None else positive(period, "period", "s")
 
     def __call__(
         self, pose: ArrayLike, twist: ArrayLike, goal: Goal, dt: float

@@ -29,10 +29,10 @@ from math import atan2, cos, exp, hypot, pi, sin
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
-from backhoe.vehicle.tracking.pose_error import wrap
+from backhoe.basics.angles import wrap
+from backhoe.basics.inputs import choice, not_negative, number, positive
 from backhoe.vehicle.tracking.protocol import Goal, situation
-from backhoe.vehicle.tracking.scaglia_taylor import STILL, gain, sample_time
+from backhoe.vehicle.tracking.scaglia_taylor import STILL
 
 
 class ScagliaRungeKutta:
@@ -58,9 +58,10 @@ class ScagliaRungeKutta:
         brake: bool = True,
         period: float | None = None,
     ) -> None:
-        self.kv, self.kw = gain(kv, "kv"), gain(kw, "kw")
-        self.weight, self.brake = _weight(weight), brake
-        self.period = sample_time(period)
+        self.kv = number(kv, "kv", above=0.0, most=1.0)
+        self.kw = number(kw, "kw", above=0.0, most=1.0)
+        self.weight, self.brake = number(weight, "weight", least=0.5, most=1.0), brake
+        self.period = None if period is None else positive(period, "period", "s")
 
     @classmethod
     def printed(
@@ -100,16 +101,15 @@ def speed_modes(
         lag: of "held", time constant of the vehicle's speed in samples, tau/T0; 0 obeys at once.
 
     Returns:
-        Two eigenvalues, complex, shape (2,), the largest modulus first. Below 1 it dies away.
+        Two eigenvalues, complex, shape (2,) [1], the largest modulus first. Below 1 it dies away.
 
     Raises:
         ValueError: gain, weight or lag out of range, another word for motion.
     """
-    kv, w = gain(kv, "kv"), _weight(weight)
-    if motion not in ("ramp", "held"):
-        raise ValueError(f'motion must be "ramp" or "held", got {motion!r}')
-    if not 0 <= lag < np.inf or (lag and motion == "ramp"):
-        raise ValueError(f'lag must be 0 or more samples, and 0 with "ramp", got {lag!r}')
+    kv = number(kv, "kv", above=0.0, most=1.0)
+    w, lag = number(weight, "weight", least=0.5, most=1.0), not_negative(lag, "lag", "samples")
+    if choice(motion, "motion", ("ramp", "held")) == "ramp" and lag:
+        raise ValueError(f'lag must be 0 with "ramp", got {lag}')
     command = np.array([kv / w, -(1 - w) / w])
     state = np.array([0.0, 1.0])
     if motion == "ramp":
@@ -120,10 +120,3 @@ def speed_modes(
         way = command + lag * (1 - keeps) * (state - command)
     modes = np.linalg.eigvals(np.array([np.array([1.0, 0.0]) - way, speed])).astype(complex)
     return modes[np.argsort(-np.abs(modes))]
-
-
-def _weight(value: float) -> float:
-    number = real_array(value, "weight must be one number from 0.5 to 1")
-    if number.ndim or not 0.5 <= number <= 1:
-        raise ValueError(f"weight must be one number from 0.5 to 1, got {value!r}")
-    return float(number)

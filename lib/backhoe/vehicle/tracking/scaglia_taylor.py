@@ -22,9 +22,8 @@ from math import atan2, cos, hypot, sin
 
 from numpy.typing import ArrayLike
 
-from backhoe.basics.inputs import real_array
-from backhoe.vehicle.tracking.path import positive
-from backhoe.vehicle.tracking.pose_error import wrap
+from backhoe.basics.angles import wrap
+from backhoe.basics.inputs import number, positive
 from backhoe.vehicle.tracking.protocol import Goal, situation
 
 STILL = 1e-4
@@ -51,8 +50,10 @@ class ScagliaTaylor:
         optimum: bool = False,
         period: float | None = None,
     ) -> None:
-        self.kv2, self.kw2 = gain(kv2, "kv2"), gain(kw2, "kw2")
-        self.optimum, self.period = optimum, sample_time(period)
+        self.kv2 = number(kv2, "kv2", above=0.0, most=1.0)
+        self.kw2 = number(kw2, "kw2", above=0.0, most=1.0)
+        self.optimum = optimum
+        self.period = None if period is None else positive(period, "period", "s")
 
     def __call__(
         self, pose: ArrayLike, twist: ArrayLike, goal: Goal, dt: float
@@ -83,20 +84,5 @@ def weight_ratio(k2: float, T0: float) -> float:
     Raises:
         ValueError: k2 outside (0, 1), where 1 would be an infinite ratio; T0 not positive.
     """
-    k2, T0 = gain(k2, "k2"), positive(T0, "T0", "s")
-    if k2 == 1:
-        raise ValueError("k2 = 1 spends without regard: the ratio is infinite; give less than 1")
-    return k2 / ((1 - k2) * T0**2)
-
-
-def sample_time(period: float | None) -> float | None:
-    """`period` as a float [s], or None; ValueError unless it is one of these and positive."""
-    return None if period is None else positive(period, "period", "s")
-
-
-def gain(value: float, name: str) -> float:
-    """`value` as a float; ValueError unless it is one number above 0, at most 1."""
-    number = real_array(value, f"{name} must be one number above 0, at most 1")
-    if number.ndim or not 0 < number <= 1:
-        raise ValueError(f"{name} must be one number above 0, at most 1, got {value!r}")
-    return float(number)
+    k2 = number(k2, "k2", above=0.0, below=1.0)
+    return k2 / ((1 - k2) * positive(T0, "T0", "s") ** 2)

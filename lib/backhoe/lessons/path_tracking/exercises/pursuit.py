@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.angles import wrap
 from backhoe.lessons.exercise import Exercise
 from backhoe.vehicle.tracking import Goal, PurePursuit
-from backhoe.vehicle.tracking.progress import Progress
+from backhoe.vehicle.tracking.foot import Foot
 
 
 def pure_pursuit(pose: ArrayLike, path: ArrayLike, lookahead: float, speed: float) -> NDArray:
@@ -41,8 +41,8 @@ def _cases(rng: np.random.Generator) -> list[tuple]:
     return cases
 
 
-def _foot(path: NDArray, place: NDArray) -> Progress:
-    foot = Progress(path, window=np.inf)
+def _foot(path: NDArray, place: NDArray) -> Foot:
+    foot = Foot(path, window=np.inf)
     foot.move_to(*place)
     return foot
 

@@ -12,8 +12,8 @@ from backhoe.vehicle.tracking.polyline import arc_length
 _TIE = 1e-9
 
 
-class Progress:
-    """The foot on a path of something that moves along it.
+class Foot:
+    """The foot on a path of something that moves along it: how far it has come.
 
     The nearest point is looked for from the last foot to `window` ahead. So a crossing does not
     lead to the other branch, nor the start of a closed path to its end.

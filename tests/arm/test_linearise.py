@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 
 from backhoe.arm import closed_loop, dynamics, integrate, linearise, movement
-from backhoe.arm.pid import ARM_GAINS
+from backhoe.arm.pid import ARM_GAINS, Gains
 from backhoe.lessons import published
 from backhoe.machine import BACKHOE, JOINTS, variants
 
 Q = np.radians([20.0, 25.0, -15.0, 40.0])
 PRINTED = published.load("mastalli_2013_eq_333")
-THESIS = tuple(np.array(PRINTED[name]) for name in ("K_p", "K_i", "K_d"))
+THESIS = Gains(*(np.array(PRINTED[name]) for name in ("K_p", "K_i", "K_d")))
 
 
 def viscous(machine=BACKHOE):
@@ -104,9 +104,9 @@ def test_poles_of_the_thesis_gains_are_stable_all_over_the_workspace():
 
 def test_35_as_printed_has_poles_far_on_the_right():
     """+K_d dq feeds speed back with the wrong sign; the corrected one is stable."""
-    kp, ki, kd = THESIS
+    pushing = THESIS._replace(kd=-THESIS.kd)
     for q in np.random.default_rng(1).uniform(BACKHOE.lower, BACKHOE.upper, (50, 4)):
-        printed = linearise.arm(q, gains=(kp, ki, -kd), friction=False).poles().real
+        printed = linearise.arm(q, gains=pushing, friction=False).poles().real
         assert (printed > 0).sum() >= 4
         assert printed.max() > 500
 
@@ -156,15 +156,15 @@ def test_systems_have_names():
         (lambda: linearise.arm(np.zeros((2, 4))), r"q must be one posture .* got shape \(2"),
         (lambda: linearise.arm([0, 0, np.nan, 0]), "q must be finite"),
         (
-            lambda: linearise.arm(Q, gains=THESIS[:2]),
-            r"gains must be kp, ki and kd .* got shape \(2, 4\)",
+            lambda: linearise.arm(Q, gains=Gains(*np.ones((3, 2)))),
+            r"gains must be kp, ki and kd .* got shape \(3, 2\)",
         ),
         (
-            lambda: linearise.arm(Q, gains=(1.0, 2.0, 3.0)),
+            lambda: linearise.arm(Q, gains=Gains(1.0, 2.0, 3.0)),
             r"gains must be kp, ki and kd .* got shape \(3,\)",
         ),
         (
-            lambda: linearise.arm(Q, gains=(*THESIS[:2], np.full(4, np.inf))),
+            lambda: linearise.arm(Q, gains=THESIS._replace(kd=np.full(4, np.inf))),
             r"gains must be finite, got inf at index \(2, 0\)",
         ),
         (lambda: linearise.arm(Q, gains=THESIS, law="computed_torque"), "law must be one of pid"),
@@ -174,3 +174,8 @@ def test_systems_have_names():
 def test_bad_arguments_are_named(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_three_rows_in_an_order_of_one_s_own_are_no_gains():
+    with pytest.raises(TypeError, match=r"gains must be a Gains, got tuple: give pid\.Gains"):
+        linearise.arm(Q, gains=tuple(THESIS))

@@ -11,7 +11,6 @@ better than these poles say, and stick.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics
 from backhoe.arm.lyapunov.extremes import gravity_slope
-from backhoe.basics.inputs import choice, numbers
+from backhoe.arm.pid import Gains
+from backhoe.basics.inputs import choice, instance, numbers
 from backhoe.machine import BACKHOE, JOINTS, Machine
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def arm(
     q: ArrayLike,
     machine: Machine = BACKHOE,
     *,
-    gains: Sequence[ArrayLike] | None = None,
+    gains: Gains | None = None,
     law: str = "pid",
     friction: bool = True,
     name: str | None = None,
@@ -47,8 +47,8 @@ def arm(
     Args:
         q: the posture, shape (4,) [rad].
         machine: the arm; a loaded one from `variants.loaded`.
-        gains: None for the arm alone; or kp, ki, kd, each of shape (4,)
-            [N m/rad, N m/(rad s), N m s/rad]. They may have any sign: -K_d is (3.5) as printed.
+        gains: None for the arm alone; or of shape (4,) each [N m/rad, N m/(rad s), N m s/rad].
+            They may have any sign: -K_d is (3.5) as printed.
         law: "pid", or "pid+gravity" with the gravity torque of the measured posture added.
         friction: whether the joints have viscous friction.
         name: of the system; "arm" and "arm under pid", or the other law, unless told.
@@ -79,7 +79,7 @@ def arm(
 
 def loop(
     q: ArrayLike,
-    gains: Sequence[ArrayLike],
+    gains: Gains,
     joint: str,
     machine: Machine = BACKHOE,
     *,
@@ -103,7 +103,7 @@ def loop(
 
     k = JOINTS.index(choice(joint, "joint", JOINTS))
     kp, ki, kd = _gains(gains)
-    open_gains = [np.where(np.arange(4) == k, 0.0, gain) for gain in (kp, ki, kd)]
+    open_gains = Gains(*(np.where(np.arange(4) == k, 0.0, gain) for gain in (kp, ki, kd)))
     others = arm(q, machine, gains=open_gains, law=law, friction=friction)
     push = np.zeros((12, 1))
     push[4:] = _plant(_posture(q), machine, friction, compensated=False)[1][:, [k]]
@@ -154,5 +154,6 @@ def _posture(q: ArrayLike) -> NDArray:
     return numbers(q, "q", (4,), meaning="one posture of 4 joint angles [rad]")
 
 
-def _gains(gains: Sequence[ArrayLike]) -> NDArray:
+def _gains(gains: Gains) -> NDArray:
+    instance(gains, "gains", Gains, "give pid.Gains(kp=..., ki=..., kd=...)")
     return numbers(gains, "gains", (3, 4), meaning="kp, ki and kd of 4 joints")

@@ -14,11 +14,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.arm import dynamics, kinematics
+from backhoe.arm import kinematics
 from backhoe.basics import inputs
-from backhoe.machine import BACKHOE, JOINTS, Machine, variants
+from backhoe.machine import BACKHOE, JOINTS, Machine
 
-__all__ = ["PHASES", "Movement", "from_postures", "from_targets", "loading", "torque"]
+__all__ = ["PHASES", "Movement", "from_postures", "from_targets", "loading"]
 
 PHASES = {"wait": (0.0, 5.0), "load": (5.0, 20.0), "return": (20.0, 35.0)}
 """Begin and end of the phases of `loading` [s]; the arm rests at each of these times."""
@@ -183,29 +183,6 @@ def loading(dt: float = 1e-3, machine: Machine = BACKHOE) -> Movement:
     )
     rest = [names.index(name) for name in ("wait", "lift", "over the truck", "empty")]
     return from_targets(seconds, targets, dt, machine, rest)
-
-
-def torque(
-    movement: Movement, load: float = 0.0, machine: Machine = BACKHOE, friction: bool = True
-) -> NDArray:
-    """Joint torques that a movement needs: what a perfect controller would give.
-
-    Args:
-        movement: the movement, n samples.
-        load: point mass at the bucket's centre of mass [kg].
-        machine: the machine without the load.
-        friction: whether its joints have friction.
-
-    Returns:
-        Torques, shape (n, 4) [N m].
-
-    Raises:
-        ValueError: load is negative or not finite.
-    """
-    carrying = variants.loaded(load, machine)
-    return dynamics.inverse_dynamics(
-        movement.q, movement.dq, movement.ddq, friction=friction, machine=carrying
-    )
 
 
 def _way_times(times: ArrayLike, dt: float) -> tuple[NDArray, NDArray]:

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import cont2discrete, lfilter
 
-from backhoe.arm.pid import DigitalPID, SampleHold
+from backhoe.arm.pid import DigitalPID
 
 DT = 0.01
 KP, KI, KD = 2.0, 3.0, 0.4
@@ -223,8 +223,8 @@ def test_integral_time_must_be_positive():
 
 def test_state_at_100_hz_gives_a_loop_at_1_khz_a_derivative_of_0_and_10_times_the_speed():
     """A ramp of 1 unit/s; also that a filter spreads the peaks without changing their mean."""
-    hold, dt = SampleHold(10), 0.001
-    seen = np.array([hold(k * dt) for k in range(1001)])
+    dt = 0.001
+    seen = dt * np.repeat(np.arange(0, 1010, 10), 10)[:1001]
     raw = DigitalPID(0.0, 0.0, 1.0, dt)
     smooth = DigitalPID(0.0, 0.0, 1.0, dt, filter_time=0.03)
     quotient = -outputs(raw, np.zeros(1001), seen)[1:]
@@ -233,18 +233,3 @@ def test_state_at_100_hz_gives_a_loop_at_1_khz_a_derivative_of_0_and_10_times_th
     settled = -outputs(smooth, np.zeros(1001), seen)[501:]
     assert settled.mean() == pytest.approx(1.0, rel=1e-3)
     assert np.ptp(settled) < 0.4
-
-
-def test_hold_keeps_a_copy_and_starts_anew():
-    hold, q = SampleHold(3), np.zeros(2)
-    first = hold(q)
-    q += 1
-    np.testing.assert_array_equal(hold(q), first)
-    hold.reset()
-    np.testing.assert_array_equal(hold(q), [1.0, 1.0])
-
-
-@pytest.mark.parametrize("every", [0, 2.0, True])
-def test_hold_needs_a_whole_number(every):
-    with pytest.raises(ValueError, match="every must be one whole number at least 1"):
-        SampleHold(every)

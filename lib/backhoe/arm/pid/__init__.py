@@ -2,11 +2,9 @@
 
 - `joint`: the arm's PID, whose derivative comes from measured joint speeds
 - `digital`: a sampled PID that makes its own derivative, filtered, of reference and measurement
-- `hold`: a value that is read less often than the controller runs
 """
 
 from backhoe.arm.pid.digital import DigitalPID
-from backhoe.arm.pid.hold import SampleHold
 from backhoe.arm.pid.joint import ARM_GAINS, PID, Gains
 
-__all__ = ["ARM_GAINS", "PID", "DigitalPID", "Gains", "SampleHold"]
+__all__ = ["ARM_GAINS", "PID", "DigitalPID", "Gains"]

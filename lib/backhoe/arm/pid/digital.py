@@ -91,7 +91,6 @@ class DigitalPID:
         if not np.all(self.low < self.high):
             raise ValueError(f"limits must be (low, high) with low below high, got {limits!r}")
         self._a, self._b = _derivative(self.kd, self.filter_time, self.dt, form)
-        self._step = self._step_arrays if self._shape else self._step_floats
         self.reset()
 
     @classmethod
@@ -155,31 +154,12 @@ class DigitalPID:
         Raises:
             ValueError: another shape, or a value that is not finite; the PID is as before then.
         """
-        return self._step(reference, measured)
-
-    def _step_floats(self, reference: float, measured: float) -> float:
-        reference, measured = number(reference, "reference"), number(measured, "measured")
-        error = reference - measured
-        watched = -measured if self.derivative_of == "measurement" else error
-        last = watched if self._last is None else self._last
-        proportional = self.kp * error
-        derivative = self._a * self.derivative + self._b * (watched - last)
-        integral = old = self.integral
-        integral += self.ki * self.dt * error
-        if self.anti_windup == "clamping":
-            rest = proportional + derivative
-            highest, lowest = self.high - rest, self.low - rest
-            if integral > old and integral > highest:
-                integral = max(old, highest)
-            elif integral < old and integral < lowest:
-                integral = min(old, lowest)
-        self.proportional, self.integral, self.derivative = proportional, integral, derivative
-        self._last = watched
-        return min(max(proportional + integral + derivative, self.low), self.high)
-
-    def _step_arrays(self, reference: ArrayLike, measured: ArrayLike) -> NDArray:
-        reference = numbers(reference, "reference", self._shape, meaning="one for each loop")
-        measured = numbers(measured, "measured", self._shape, meaning="one for each loop")
+        if self._shape:
+            reference = numbers(reference, "reference", self._shape, meaning="one for each loop")
+            measured = numbers(measured, "measured", self._shape, meaning="one for each loop")
+        else:
+            reference, measured = number(reference, "reference"), number(measured, "measured")
+        least, most = (np.minimum, np.maximum) if self._shape else (min, max)
         error = reference - measured
         watched = -measured if self.derivative_of == "measurement" else error
         last = watched if self._last is None else self._last
@@ -188,11 +168,11 @@ class DigitalPID:
         integral = self.integral + self.ki * self.dt * error
         if self.anti_windup == "clamping":
             old, rest = self.integral, proportional + derivative
-            integral = np.minimum(integral, np.maximum(old, self.high - rest))
-            integral = np.maximum(integral, np.minimum(old, self.low - rest))
+            integral = least(integral, most(old, self.high - rest))
+            integral = most(integral, least(old, self.low - rest))
         self.proportional, self.integral, self.derivative = proportional, integral, derivative
         self._last = watched
-        return np.clip(proportional + integral + derivative, self.low, self.high)
+        return least(most(proportional + integral + derivative, self.low), self.high)
 
     def _filter_time(
         self, gains: list[NDArray], N: float | None, filter_time: ArrayLike | None

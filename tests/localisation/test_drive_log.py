@@ -202,7 +202,9 @@ def test_a_gap_can_be_allowed_and_nothing_is_filled_in(tmp_path):
     lines = lines_of(tmp_path)
     log = read_lines(tmp_path, [*lines[:40], *lines[60:]], max_gap=30)
     assert len(log) == 581 and np.diff(log.time).max() == pytest.approx(0.42)
-    with pytest.raises(ValueError, match="max_gap must be 1 or more periods, got 0"):
+    with pytest.raises(
+        ValueError, match=r"max_gap must be one number at least 1 \[periods\], got 0"
+    ):
         read_lines(tmp_path, lines, max_gap=0)
 
 
@@ -293,7 +295,9 @@ def test_limits_can_be_moved_or_lifted(tmp_path):
     with pytest.raises(ValueError, match="above 300"):
         drive_log.read(file, limits={"x": 300})
     assert len(drive_log.read(file, limits={"x": None, "y": None})) == 601
-    with pytest.raises(ValueError, match=r"limits are known for t, left, .* got 'speed'"):
+    with pytest.raises(
+        ValueError, match=r"a column with a limit must be one of t, left, .* got 'speed'"
+    ):
         drive_log.read(file, limits={"speed": 1})
 
 
@@ -371,7 +375,7 @@ def test_jumps_of_a_wheel_are_believed_when_its_limit_is_lifted(tmp_path):
         ({"left [rad]": [0, 1], "t [s]": [0, 1]}, r"the first column must be 't \[s\]'"),
         ({"t [s]": [0, 1], "psi [deg]": [0, 1]}, "write rad instead of deg"),
         ({"t [s]": [0, 1], "psi": [0, 1]}, "'psi' must be a name with its unit"),
-        ({"t [s]": [0, np.nan]}, r"t \[s\] must be a row of finite numbers"),
+        ({"t [s]": [0, np.nan]}, r"t \[s\] must be finite, got nan at index 1"),
         ({"t [s]": ["a"]}, r"t \[s\] must be numbers"),
     ],
 )
@@ -384,5 +388,7 @@ def test_what_cannot_be_read_again_is_not_written(tmp_path, columns, message):
 def test_comments_are_single_lines_and_digits_whole(tmp_path):
     with pytest.raises(ValueError, match="a comment must be one line"):
         drive_log.write(tmp_path / "a.csv", drive(), comments=["one\ntwo"])
-    with pytest.raises(ValueError, match="digits must be a whole number from 1 to 17, got 0"):
+    with pytest.raises(
+        ValueError, match="digits must be one whole number at least 1 and at most 17, got 0"
+    ):
         drive_log.write(tmp_path / "a.csv", drive(), digits=0)

@@ -11,7 +11,7 @@ from os import PathLike
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, whole
 from backhoe.localisation.odometry.encoder import Encoder
 
 UNITS = ("s", "rad", "rad/s", "m", "m/s", "m/s^2", "ticks", "1")
@@ -144,8 +144,8 @@ def write(
         labels = [label(name, unit) for name, unit in columns.units.items()]
         values = list(columns.columns.values())
         columns = {"t [s]": columns.time} | dict(zip(labels, values, strict=True))
-    if digits is not None and not (isinstance(digits, int) and 1 <= digits <= 17):
-        raise ValueError(f"digits must be a whole number from 1 to 17, got {digits!r}")
+    if digits is not None:
+        whole(digits, "digits", least=1, most=17)
     if any("\n" in comment or "\r" in comment for comment in comments):
         raise ValueError("a comment must be one line: give several")
     table = _table(columns)
@@ -183,11 +183,9 @@ def _table(columns: Mapping[str, ArrayLike]) -> list[list[float]]:
         unit = split_label(text)[1]
         if unit not in UNITS:
             raise ValueError(f"{text!r}: write {CONVERSIONS[unit][0]} instead of {unit}")
-        array = real_array(values, f"{text} must be numbers")
-        if array.ndim != 1 or not np.isfinite(array).all():
-            raise ValueError(f"{text} must be a row of finite numbers, got shape {array.shape}")
-        whole = unit == "ticks" and (array == np.floor(array)).all()
-        arrays.append((array + 0.0).astype(int) if whole else array + 0.0)
+        array = numbers(values, text, ("n",)) + 0.0
+        counts = unit == "ticks" and (array == np.floor(array)).all()
+        arrays.append(array.astype(int) if counts else array)
     if len({len(array) for array in arrays}) != 1:
         lengths = {text: len(array) for text, array in zip(columns, arrays, strict=True)}
         raise ValueError(f"all columns must be of one length, got {lengths}")

@@ -15,6 +15,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.inputs import choice
+
 LIMITS: Mapping[str, float] = {
     "t": 2.0,
     **dict.fromkeys(("left", "right", "left_rate", "right_rate"), 60.0),
@@ -63,9 +65,8 @@ def check(
     Raises:
         ValueError: what looks wrong, with the row and the column.
     """
-    unknown = [name for name in limits if name not in LIMITS]
-    if unknown:
-        raise ValueError(f"limits are known for {', '.join(LIMITS)}, got {unknown[0]!r}")
+    for name in limits:
+        choice(name, "a column with a limit", LIMITS)
     limits = {**LIMITS, **limits}
     time = columns["t"]
     _check_period(time, limits["t"], where)
@@ -78,11 +79,6 @@ def check(
             _check_rate(name, values, units[name], time, limits[name], where)
     _check_gravity(columns, limits, file)
     _check_agreement(columns, units, limits, file)
-
-
-def unwrapped(psi: NDArray) -> NDArray:
-    """A heading without jumps by whole turns, shape (n,) [rad]."""
-    return np.unwrap(psi)
 
 
 def _check_period(time: NDArray, limit: float | None, where: Where) -> None:
@@ -147,7 +143,7 @@ def _check_rate(
     if limit is None:
         return
     if name in _CHANGES:
-        values = unwrapped(values) if name == "yaw" else values
+        values = np.unwrap(values) if name == "yaw" else values
         later = _a_second_later(time)
         start = np.arange(len(later))
         rates = np.abs(values[later] - values[start]) / (time[later] - time[start])
@@ -215,7 +211,7 @@ def _headings(
     said = {name: columns[name] for name in ("psi", "yaw", "gyro") if name in columns}
     said = {name: values for name, values in said.items() if limits[name] is not None}
     if "yaw" in said:
-        said["yaw"] = unwrapped(said["yaw"])
+        said["yaw"] = np.unwrap(said["yaw"])
     if "gyro" in said:
         rate, steps = said["gyro"], np.diff(columns["t"])
         said["gyro"] = np.r_[0.0, np.cumsum((rate[1:] + rate[:-1]) / 2 * steps)]

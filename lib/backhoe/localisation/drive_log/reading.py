@@ -10,14 +10,16 @@ import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from os import PathLike, fspath
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.inputs import number
 from backhoe.localisation.drive_log.log import CONVERSIONS, DriveLog, label, split_label
-from backhoe.localisation.drive_log.plausible import check, unwrapped
+from backhoe.localisation.drive_log.plausible import check
 
 MAX_GAP = 5.0
 """Longest time between two rows, in median periods."""
@@ -31,7 +33,6 @@ class _Text:
 
     name: str
     comments: tuple[str, ...]
-    header_line: int
     columns: list[tuple[str, str]]
     numbers: list[int]
     rows: list[list[str]]
@@ -82,7 +83,7 @@ def read(
     time = columns["t"]
     _check_times(text, time, max_gap, list(units).index("t"))
     if unwrap and "psi" in columns:
-        columns["psi"] = unwrapped(columns["psi"])
+        columns["psi"] = np.unwrap(columns["psi"])
     places = list(units)
     check(
         columns,
@@ -114,17 +115,17 @@ def _text(name: str, require: Sequence[str]) -> _Text:
         lines = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
     except (UnicodeDecodeError, csv.Error) as error:
         raise ValueError(f"{name} is not a CSV text file: {error}") from error
-    lines = [(len(comments) + number, cells) for number, cells in lines]
+    lines = [(len(comments) + line, cells) for line, cells in lines]
     while lines and not any(lines[-1][1]) and len(lines[-1][1]) < 2:
         lines.pop()
     if not lines:
         raise ValueError(f"{name} is empty: it needs a header such as t [s],left [rad],right [rad]")
-    number, cells = lines.pop(0)
-    columns = _header(f"{name}, line {number}", cells, require)
+    header, cells = lines.pop(0)
+    columns = _header(f"{name}, line {header}", cells, require)
     if len(lines) < 3:
         raise ValueError(f"{name} has {len(lines)} rows below its header: a log needs 3 or more")
     numbers, rows = zip(*lines, strict=True)
-    return _Text(name, tuple(comments), number, columns, list(numbers), list(rows))
+    return _Text(name, tuple(comments), columns, list(numbers), list(rows))
 
 
 def _header(where: str, cells: list[str], require: Sequence[str]) -> list[tuple[str, str]]:
@@ -159,9 +160,9 @@ def _header(where: str, cells: list[str], require: Sequence[str]) -> list[tuple[
 def _numbers(text: _Text) -> NDArray:
     """The cells as numbers, shape (n, columns); the first bad one is named."""
     count = len(text.columns)
-    for number, cells in zip(text.numbers, text.rows, strict=True):
+    for line, cells in zip(text.numbers, text.rows, strict=True):
         if len(cells) != count:
-            raise ValueError(_ragged(f"{text.name}, line {number}", cells, text.columns))
+            raise ValueError(_ragged(f"{text.name}, line {line}", cells, text.columns))
     table = np.empty((len(text.rows), count))
     for row, cells in enumerate(text.rows):
         try:
@@ -171,7 +172,7 @@ def _numbers(text: _Text) -> NDArray:
     plain = np.array(["_" not in "".join(cells) for cells in text.rows])
     for row in np.flatnonzero(~np.isfinite(table).all(axis=1) | ~plain):
         for column, cell in enumerate(text.rows[row]):
-            if not (_NUMBER.fullmatch(cell) and np.isfinite(float(cell))):
+            if not _NUMBER.fullmatch(cell) or abs(float(cell)) == inf:
                 raise ValueError(_not_a_number(text.where(row, column), cell))
     return table
 
@@ -204,9 +205,8 @@ def _check_times(text: _Text, time: NDArray, max_gap: float, column: int) -> Non
             f"{text.where(k + 1, column)}: {time[k + 1]:.10g} s does not come after "
             f"{time[k]:.10g} s in the row before; times must rise"
         )
-    if not max_gap >= 1:
-        raise ValueError(f"max_gap must be 1 or more periods, got {max_gap!r}")
     period = float(np.median(steps))
+    max_gap = number(max_gap, "max_gap", "periods", least=1, finite=False)
     gaps = np.flatnonzero(steps > max_gap * period)
     if len(gaps):
         k = int(gaps[0])

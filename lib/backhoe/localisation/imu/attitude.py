@@ -11,10 +11,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, positive
 
 _SINGULAR = 1e-6
 """How near to 90 degrees a pitch has no Euler rates [rad]."""
+
+_ANGLES = "angles (roll, pitch, yaw)"
 
 
 def rotation(attitude: ArrayLike) -> NDArray:
@@ -29,7 +31,7 @@ def rotation(attitude: ArrayLike) -> NDArray:
     Raises:
         ValueError: last axis is not 3, or a value is not finite.
     """
-    attitude = triples(attitude, "attitude", "roll, pitch, yaw")
+    attitude = numbers(attitude, "attitude", (..., 3), meaning=_ANGLES)
     (cr, cp, cy), (sr, sp, sy) = (np.moveaxis(g(attitude), -1, 0) for g in (np.cos, np.sin))
     rows = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -54,7 +56,7 @@ def attitude_from_gravity(force: ArrayLike) -> NDArray:
     Raises:
         ValueError: last axis is not 3, not finite, or zero (free fall shows no direction).
     """
-    force = triples(force, "force", "x, y, z")
+    force = numbers(force, "force", (..., 3), meaning="values (x, y, z)")
     x, y, z = np.moveaxis(force, -1, 0)
     if not (np.abs(force).max(axis=-1) > 0).all():
         raise ValueError("force must not be zero: in free fall gravity does not show")
@@ -77,8 +79,9 @@ def euler_rates(attitude: ArrayLike, omega: ArrayLike) -> NDArray:
         ValueError: last axis is not 3, not finite, or a pitch of 90 degrees, where roll and yaw
             turn about the same axis and have no rates of their own.
     """
-    attitude = triples(attitude, "attitude", "roll, pitch, yaw")
-    x, y, z = np.moveaxis(triples(omega, "omega", "x, y, z"), -1, 0)
+    attitude = numbers(attitude, "attitude", (..., 3), meaning=_ANGLES)
+    omega = numbers(omega, "omega", (..., 3), meaning="values (x, y, z)")
+    x, y, z = np.moveaxis(omega, -1, 0)
     roll, pitch = attitude[..., 0], attitude[..., 1]
     if (np.abs(np.cos(pitch)) < _SINGULAR).any():
         raise ValueError(
@@ -89,30 +92,6 @@ def euler_rates(attitude: ArrayLike, omega: ArrayLike) -> NDArray:
     pitching = np.cos(roll) * y - np.sin(roll) * z
     yaw_rate = turning / np.cos(pitch)
     return np.stack([x + np.sin(pitch) * yaw_rate, pitching, yaw_rate], axis=-1)
-
-
-def body_rates(attitude: ArrayLike, attitude_rate: ArrayLike) -> NDArray:
-    """Turning speed in the body's axes from the rates of roll, pitch and yaw: (4.23) inverted.
-
-    Args:
-        attitude: roll, pitch, yaw, shape (..., 3) [rad].
-        attitude_rate: their rates, shape (..., 3) [rad/s].
-
-    Returns:
-        omega, shape (..., 3) [rad/s].
-
-    Raises:
-        ValueError: last axis is not 3, or a value is not finite.
-    """
-    attitude = triples(attitude, "attitude", "roll, pitch, yaw")
-    roll, pitch = attitude[..., 0], attitude[..., 1]
-    rate = triples(attitude_rate, "attitude_rate", "of roll, pitch, yaw")
-    d_roll, d_pitch, d_yaw = np.moveaxis(rate, -1, 0)
-    level = np.cos(pitch) * d_yaw
-    x = d_roll - np.sin(pitch) * d_yaw
-    y = np.cos(roll) * d_pitch + np.sin(roll) * level
-    z = np.cos(roll) * level - np.sin(roll) * d_pitch
-    return np.stack([x, y, z], axis=-1)
 
 
 def integrate(attitude: ArrayLike, omega: ArrayLike, dt: float) -> NDArray:
@@ -132,31 +111,14 @@ def integrate(attitude: ArrayLike, omega: ArrayLike, dt: float) -> NDArray:
     Raises:
         ValueError: other shapes, not finite, dt not positive.
     """
-    omega = triples(omega, "omega", "x, y, z of N samples")
-    start = triples(attitude, "attitude", "roll, pitch, yaw")
-    if start.ndim != 1 or omega.ndim != 2:
-        raise ValueError(
-            f"attitude must be (3,) and omega (N, 3), got {start.shape} and {omega.shape}"
-        )
-    if not (np.isfinite(dt) and dt > 0):
-        raise ValueError(f"dt must be positive and finite, in s, got {dt!r}")
-    R, angles = rotation(start), [start]
-    for turn in _rotations(omega * dt):
+    omega = numbers(omega, "omega", ("N", 3))
+    attitude = numbers(attitude, "attitude", (3,), meaning=_ANGLES)
+    R, angles = rotation(attitude), [attitude]
+    for turn in _rotations(omega * positive(dt, "dt", "s")):
         R = R @ turn
         pitch = np.arctan2(-R[2, 0], np.hypot(R[2, 1], R[2, 2]))
         angles.append([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
     return np.unwrap(np.array(angles), axis=0)
-
-
-def triples(values: ArrayLike, name: str, meaning: str) -> NDArray:
-    array = real_array(values, f"{name} must be numbers ({meaning})")
-    if array.shape[-1:] != (3,):
-        raise ValueError(f"{name} must end in 3 ({meaning}), got shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise ValueError(
-            f"{name} must be finite, got {int((~np.isfinite(array)).sum())} that are not"
-        )
-    return array
 
 
 def _rotations(turns: NDArray) -> NDArray:

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
-from backhoe.localisation.imu.attitude import rotation, triples
+from backhoe.basics.inputs import alike, generator, instance, numbers
+from backhoe.localisation.imu.attitude import rotation
 from backhoe.localisation.imu.board import Board
 
 
@@ -22,7 +22,7 @@ class Readings(NamedTuple):
     """N samples: time (N,) [s], and with shapes (..., N, 3) the rest.
 
     gyro [rad/s] and accelerometer [m/s^2] are what the board shows; gyro_bias and
-    accelerometer_bias what it hides in that; gyro_saturated and accelerometer_saturated are true
+    accelerometer_bias their biases in that; gyro_saturated and accelerometer_saturated are true
     where a reading is at the end of its range.
     """
 
@@ -49,8 +49,9 @@ def specific_force(acceleration: ArrayLike, attitude: ArrayLike, gravity: float 
     Raises:
         ValueError: last axis is not 3, or a value is not finite.
     """
-    felt = triples(acceleration, "acceleration", "x, y, z") - np.array([0.0, 0.0, -gravity])
-    return np.einsum("...ji,...j->...i", rotation(attitude), felt)
+    force = numbers(acceleration, "acceleration", (..., 3), meaning="values (x, y, z)")
+    upwards = np.array([0.0, 0.0, gravity])
+    return np.einsum("...ji,...j->...i", rotation(attitude), force + upwards)
 
 
 def measure(
@@ -68,31 +69,16 @@ def measure(
         Readings; a reading beyond the range stays at its end and is marked as saturated.
 
     Raises:
-        ValueError: shapes other than (..., N, 3) and equal, not finite, no board, no generator.
+        ValueError: shapes other than (..., N, 3) and equal, not finite, no generator.
+        TypeError: board is none.
     """
-    omega = triples(omega, "omega", "x, y, z of N samples")
-    force = triples(force, "force", "x, y, z of N samples")
-    if omega.ndim < 2 or omega.shape != force.shape:
-        raise ValueError(
-            f"omega and force must both have shape (..., N, 3), got {omega.shape} and {force.shape}"
-        )
-    if not isinstance(board, Board):
-        raise ValueError(f"board must be an imu.Board, such as imu.BOARD_1, got {board!r}")
-    rng = _generator(rng)
-    b = board
-    gyro, gyro_bias, gyro_end = _sample(
-        omega, b.gyro_noise, b.gyro_bias, b.gyro_bias_walk, b.gyro_resolution, b.gyro_range, b, rng
-    )
-    shown, bias, end = _sample(
-        force,
-        b.accelerometer_noise,
-        b.accelerometer_bias,
-        b.accelerometer_bias_walk,
-        b.accelerometer_resolution,
-        b.accelerometer_range,
-        b,
-        rng,
-    )
+    omega = numbers(omega, "omega", (..., "N", 3))
+    force = numbers(force, "force", (..., "N", 3))
+    alike(omega=omega, force=force)
+    instance(board, "board", Board, "such as imu.BOARD_1")
+    rng = generator(rng)
+    gyro, gyro_bias, gyro_end = _sample(omega, board, "gyro", rng)
+    shown, bias, end = _sample(force, board, "accelerometer", rng)
     time = np.arange(omega.shape[-2]) * board.dt
     return Readings(time, gyro, shown, gyro_bias, bias, gyro_end, end)
 
@@ -110,69 +96,25 @@ def yaw_drift(board: Board, t: ArrayLike) -> NDArray:
     Raises:
         ValueError: t negative or not finite.
     """
-    t = real_array(t, "t must be times in s")
-    if not (np.isfinite(t).all() and (t >= 0).all()):
-        raise ValueError("t must be finite and not negative, in s")
+    t = numbers(t, "t")
+    if (t < 0).any():
+        raise ValueError(f"t must be 0 s or more, got {t.min()}")
     noise = board.gyro_noise**2 * board.dt * t
     return np.sqrt(noise + (board.gyro_bias * t) ** 2 + board.gyro_bias_walk**2 * t**3 / 3)
 
 
-def allan_deviation(samples: ArrayLike, dt: float, taus: ArrayLike) -> NDArray:
-    """How much the average over a time tau differs from the next one, over sqrt(2).
-
-    White noise falls with tau^-1/2, a bias that walks rises with tau^1/2, a constant one does not
-    show.
-
-    Args:
-        samples: readings at rest, shape (..., N).
-        dt: time between them, positive [s].
-        taus: averaging times, multiples of dt (rounded to them) up to half the record, (L,) [s].
-
-    Returns:
-        Shape (..., L), the unit of the samples.
-
-    Raises:
-        ValueError: not finite, dt not positive, or a tau below dt or beyond half the record.
-    """
-    samples = real_array(samples, "samples must be numbers")
-    if samples.ndim == 0 or not np.isfinite(samples).all() or not dt > 0:
-        raise ValueError("samples must be finite, shape (..., N), and dt positive")
-    counts = np.rint(np.atleast_1d(real_array(taus, "taus must be times in s")) / dt).astype(int)
-    N = samples.shape[-1]
-    if (counts < 1).any() or (counts > N // 2).any():
-        raise ValueError(f"taus must be from dt = {dt:g} s to {N // 2 * dt:g} s, got {taus}")
-    total = np.concatenate([np.zeros((*samples.shape[:-1], 1)), np.cumsum(samples, -1)], axis=-1)
-    found = []
-    for m in counts:
-        averages = (total[..., m:] - total[..., :-m]) / m
-        steps = averages[..., m:] - averages[..., :-m]
-        found.append(np.sqrt(np.mean(steps**2, axis=-1) / 2))
-    return np.stack(found, axis=-1)
-
-
 def _sample(
-    truth: NDArray,
-    noise: float,
-    bias: float,
-    walk: float,
-    resolution: float,
-    end: float,
-    board: Board,
-    rng: np.random.Generator,
+    truth: NDArray, board: Board, sensor: str, rng: np.random.Generator
 ) -> tuple[NDArray, NDArray, NDArray]:
     """One sensor's readings, its bias, and where it is at the end of its range."""
+    noise, start, walk, resolution, end = (
+        getattr(board, f"{sensor}_{part}")
+        for part in ("noise", "bias", "bias_walk", "resolution", "range")
+    )
     steps = walk * np.sqrt(board.dt) * rng.standard_normal(truth.shape)
-    steps[..., 0, :] = bias * rng.standard_normal(truth[..., 0, :].shape)
-    hidden = np.cumsum(steps, axis=-2)
-    shown = truth + hidden + noise * rng.standard_normal(truth.shape)
+    steps[..., 0, :] = start * rng.standard_normal(truth[..., 0, :].shape)
+    bias = np.cumsum(steps, axis=-2)
+    shown = truth + bias + noise * rng.standard_normal(truth.shape)
     if resolution:
         shown = resolution * np.rint(shown / resolution)
-    return np.clip(shown, -end, end), hidden, np.abs(shown) >= end
-
-
-def _generator(rng: np.random.Generator | int) -> np.random.Generator:
-    if isinstance(rng, np.random.Generator):
-        return rng
-    if isinstance(rng, int | np.integer) and not isinstance(rng, bool) and rng >= 0:
-        return np.random.default_rng(rng)
-    raise ValueError(f"rng must be a numpy Generator or a seed, got {rng!r}")
+    return np.clip(shown, -end, end), bias, np.abs(shown) >= end

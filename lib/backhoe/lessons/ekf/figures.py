@@ -23,7 +23,7 @@ def beliefs(
     """Probabilities of places as bars, one panel above another.
 
     Args:
-        panels: title -> probability of each place, shape (n,).
+        panels: title -> probability of each place, shape (n,) [1].
         there: for each panel, the place where the machine truly is; None draws none.
         marked: places that look alike to the sensor; shaded.
 
@@ -60,7 +60,7 @@ def tunnels(
     """Errors within the bands that their estimators claim, plus and minus two deviations.
 
     Args:
-        time: shape (n,).
+        time: shape (n,) [s], or what `xlabel` says.
         panels: label of the vertical axis with its unit -> {label: (errors, deviations)}; errors
             of shape (n,), or (runs, n) for many thin lines; deviations of shape (n,).
         settings: passed to `Axes.set` of every panel.

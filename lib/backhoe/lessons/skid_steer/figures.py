@@ -44,10 +44,10 @@ def contacts(
     its own speed differs from that of the ground under it.
 
     Args:
-        cases: title -> twist of the centre of mass, v_x, v_y [m/s] and omega [rad/s].
+        cases: title -> twist of the centre of mass, v_x, v_y [m/s] and omega [rad/s], shape (3,).
         vehicle: whose wheels are drawn; front, rear, half track and wheels in m.
-        wheels: title -> rolling speeds of the left and right wheels [m/s]; cases without any roll
-            as fast as the ground passes.
+        wheels: title -> rolling speeds of the left and right wheels, shape (2,) [m/s]; cases
+            without any roll as fast as the ground passes.
         slip_only: draw the slip alone, from the contact points on; else rolling and slip head to
             tail, and their sum.
         metres_per_speed: length of an arrow of 1 m/s [m].

@@ -7,6 +7,7 @@ from backhoe.localisation import drives, fusion, kalman, odometry
 from backhoe.localisation.drives import NOISE
 from backhoe.localisation.fusion import Model
 from backhoe.localisation.fusion.model import ANGLES, BIAS, PSI, TURNED, TURNING
+from backhoe.localisation.fusion.observability import _range_and_bearing
 from backhoe.machine import BACKHOE
 from backhoe.vehicle.tracks import tracks_twist
 
@@ -78,9 +79,9 @@ def test_the_latest_sample_alone_has_the_noise_of_one(drive):
 @pytest.mark.parametrize(
     "call, message",
     [
-        (lambda d: fusion.cycles([0.0, 1.0, 0.5]), "increasing numbers"),
+        (lambda d: fusion.cycles([0.0, 1.0, 0.5]), "time must rise"),
         (lambda d: fusion.cycles([0.0]), "2 or more"),
-        (lambda d: fusion.cycles(d.time, 0.0), "rate must be a positive number"),
+        (lambda d: fusion.cycles(d.time, 0.0), "rate must be one number above 0"),
         (lambda d: fusion.cycles(d.time, 400.0), "faster than the samples"),
         (lambda d: fusion.increments(d, use="some"), "use must be one of all, latest"),
     ],
@@ -105,13 +106,6 @@ def test_the_jacobian_of_the_motion_agrees_with_differences():
         u = RNG.normal(scale=0.3, size=2)
         wanted = kalman.numerical_jacobian(lambda x, u=u: model.f(x, u, 0.03), x)
         np.testing.assert_allclose(model.F(x, u, 0.03), wanted, atol=1e-7)
-
-
-def test_the_jacobian_of_a_landmark_agrees_with_differences():
-    point = np.array([4.0, -3.0])
-    for x in random_states(20):
-        wanted = kalman.numerical_jacobian(lambda x: Model.h_landmark(x, point), x, angles=(1,))
-        np.testing.assert_allclose(Model.H_landmark(x, point), wanted, atol=1e-6)
 
 
 def test_the_noise_of_the_motion_is_that_of_the_encoders_seen_through_it():
@@ -146,14 +140,14 @@ def test_the_model_gives_many_runs_what_it_gives_each():
         np.testing.assert_allclose(function(x, u, 0.03), each, atol=1e-15)
 
 
-def test_after_listening_the_turn_is_counted_anew():
+def test_after_an_update_by_the_gyro_the_turn_is_counted_anew():
     model = Model()
     filter_ = kalman.ExtendedKalmanFilter(
         model.f, model.F, None, None, model.Q, None, random_states(1)[0], np.eye(6), angles=ANGLES
     )
     filter_.predict(np.array([0.1, 0.2]), 0.03)
     before = filter_.P[:TURNED, :TURNED].copy()
-    model.listened(filter_)
+    model.restart_turn(filter_)
     assert filter_.x[TURNED] == 0 and not filter_.P[TURNED].any() and not filter_.P[:, TURNED].any()
     np.testing.assert_array_equal(filter_.P[:TURNED, :TURNED], before)
 
@@ -178,13 +172,13 @@ def test_odometry_that_does_not_know_of_the_slip_turns_too_far():
     assert turned == pytest.approx(1 / 0.75, rel=0.02)
 
 
-# The honest filter
+# The pose filter
 
 
 @pytest.mark.parametrize("turning", [1.0, drives.SLIPPING])
 @pytest.mark.parametrize("name", SCENARIOS)
-def test_the_honest_filter_with_yaw_is_consistent_in_every_scenario(trials, name, turning):
-    trial = trials(name, fusion.honest, turning, heading="yaw")
+def test_the_pose_filter_with_yaw_is_consistent_in_every_scenario(trials, name, turning):
+    trial = trials(name, fusion.pose_filter, turning, heading="yaw")
     assert trial.band == pytest.approx((2.36, 3.72), abs=0.005)
     assert trial.band[0] < trial.mean_nees < trial.band[1]
     assert trial.inside > 0.7
@@ -194,59 +188,59 @@ def test_the_honest_filter_with_yaw_is_consistent_in_every_scenario(trials, name
 
 @pytest.mark.parametrize("turning", [1.0, drives.SLIPPING])
 def test_with_the_gyros_rate_it_is_consistent_as_long_as_the_heading_is_known(trials, turning):
-    trial = trials("rectangle", fusion.honest, turning)
+    trial = trials("rectangle", fusion.pose_filter, turning)
     assert trial.band[0] < trial.mean_nees < trial.band[1]
     assert 0.9 < trial.nis.mean() < 1.1
 
 
 def test_over_a_long_way_the_rate_alone_bends_the_errors_and_only_the_position_is_overrated(trials):
-    trial = trials("circle", fusion.honest)
+    trial = trials("circle", fusion.pose_filter)
     heading = trial.error[..., 2] ** 2 / trial.estimate.covariance[:, 1:, 2, 2]
     assert heading.mean() == pytest.approx(1.0, abs=0.35)
     assert 4 < trial.mean_nees < 10
-    mended = trials("circle", fusion.honest, fixes=station)
+    mended = trials("circle", fusion.pose_filter, fixes=station)
     assert mended.band[0] < mended.mean_nees < mended.band[1]
 
 
 def test_the_slip_is_found_whatever_was_thought_before(trials):
     for turning in (1.0, drives.SLIPPING):
-        trial = trials("g", fusion.honest, turning, heading="yaw")
+        trial = trials("g", fusion.pose_filter, turning, heading="yaw")
         found, claimed = trial.estimate.state[:, -1, TURNING], trial.estimate.std[:, -1, TURNING]
         assert found.mean() == pytest.approx(turning, abs=0.003)
         assert found.std() == pytest.approx(claimed.mean(), rel=0.35)
 
 
 def test_the_gyros_bias_is_found(trials):
-    trial = trials("rectangle", fusion.honest, drives.SLIPPING)
+    trial = trials("rectangle", fusion.pose_filter, drives.SLIPPING)
     error = trial.estimate.state[:, -1, BIAS] - trial.recording.bias
     scaled = error / trial.estimate.std[:, -1, BIAS]
     assert np.mean(scaled**2) == pytest.approx(1.0, abs=0.5)
 
 
-def test_listening_to_the_gyro_in_each_cycle_mistakes_noise_for_slip(trials):
-    each = trials("g", fusion.honest, listening=0.02)
-    second = trials("g", fusion.honest)
+def test_an_update_by_the_gyro_in_each_cycle_mistakes_noise_for_slip(trials):
+    each = trials("g", fusion.pose_filter, gyro_period=0.02)
+    second = trials("g", fusion.pose_filter)
     assert each.estimate.state[:, -1, TURNING].mean() < 0.98
     assert second.estimate.state[:, -1, TURNING].mean() > 0.99
     assert each.mean_nees > 5 * second.mean_nees
 
 
 def test_a_filter_that_takes_the_slip_for_known_is_sure_and_wrong(trials):
-    trial = trials("g", fusion.honest, drives.SLIPPING, heading="yaw", slip=False)
+    trial = trials("g", fusion.pose_filter, drives.SLIPPING, heading="yaw", slip=False)
     assert trial.mean_nees > 100
     assert trial.nis.mean() > trial.nis_band[1]
 
 
 def test_the_latest_sample_alone_loses_what_the_others_knew(trials):
-    whole = trials("rectangle", fusion.honest, drives.SLIPPING)
-    latest = trials("rectangle", fusion.honest, drives.SLIPPING, use="latest")
+    whole = trials("rectangle", fusion.pose_filter, drives.SLIPPING)
+    latest = trials("rectangle", fusion.pose_filter, drives.SLIPPING, use="latest")
     assert latest.scatter_xy[-1] > 1.4 * whole.scatter_xy[-1]
     assert latest.sigma_xy[-1] > 1.4 * whole.sigma_xy[-1]
 
 
 def test_without_a_fix_the_position_grows_uncertain_and_with_one_it_does_not(trials):
-    free = trials("circle", fusion.honest, heading="yaw")
-    fixed = trials("circle", fusion.honest, heading="yaw", fixes=station)
+    free = trials("circle", fusion.pose_filter, heading="yaw")
+    fixed = trials("circle", fusion.pose_filter, heading="yaw", fixes=station)
     covariance = free.estimate.covariance[:, 1:]
     spread = np.linalg.eigvalsh(covariance[..., :2, :2].mean(axis=0)).sum(axis=-1)
     seconds = spread[::30]
@@ -256,20 +250,10 @@ def test_without_a_fix_the_position_grows_uncertain_and_with_one_it_does_not(tri
     assert fixed.band[0] < fixed.mean_nees < fixed.band[1]
 
 
-def test_landmarks_end_the_growth_as_well(trials):
-    def seen(recording, rng):
-        return fusion.landmarks(recording, [(0.0, 20.0), (15.0, 0.0)], 2.0, rng)
-
-    trial = trials("g", fusion.honest, fixes=seen)
-    free = trials("g", fusion.honest)
-    assert trial.sigma_xy[-1] < 0.5 * free.sigma_xy[-1]
-    assert trial.band[0] < trial.mean_nees < trial.band[1]
-
-
 def test_one_run_is_filtered_as_it_is_among_many():
     many = drives.record("rectangle", runs=3)
     start = fusion.starts(many)
-    among = fusion.honest(many, start=start)
+    among = fusion.pose_filter(many, start=start)
     alone = drives.Recording(
         **{
             **{name: getattr(many, name) for name in ("name", "time", "truth_time", "truth")},
@@ -277,7 +261,7 @@ def test_one_run_is_filtered_as_it_is_among_many():
             "turning": 1.0,
         }
     )
-    single = fusion.honest(alone, start=start[1])
+    single = fusion.pose_filter(alone, start=start[1])
     np.testing.assert_allclose(single.pose, among.pose[1], atol=1e-10)
     np.testing.assert_allclose(single.covariance, among.covariance[1], atol=1e-12)
     assert single.nis.shape == among.nis.shape[1:]
@@ -286,7 +270,7 @@ def test_one_run_is_filtered_as_it_is_among_many():
 @pytest.mark.parametrize("name", drives.names())
 def test_the_files_are_localised_within_what_the_filter_claims(name):
     recording = drives.load(name)
-    estimate = fusion.honest(recording, heading="yaw", turning_walk=0.002)
+    estimate = fusion.pose_filter(recording, heading="yaw", turning_walk=0.002)
     error = recording.truth_at(estimate.time[30:]) - estimate.pose[30:]
     nees = kalman.nees(error, estimate.covariance[30:], angles=(2,))
     _, high = kalman.chi_square_band(3, 1, 0.9999)
@@ -297,40 +281,39 @@ def test_the_files_are_localised_within_what_the_filter_claims(name):
 @pytest.mark.parametrize(
     "options, message",
     [
-        ({"heading": "compass"}, "heading must be 'rate', 'yaw' or None"),
-        ({"turning": 0.0}, "turning must be above 0"),
-        ({"turning_std": -1.0}, "turning_std must be a finite number"),
+        ({"heading": "compass"}, "heading must be one of rate, yaw, None"),
+        ({"turning": 0.0}, "turning must be one number above 0"),
+        ({"turning_std": -1.0}, "turning_std must be one number at least 0"),
         ({"slip": False, "turning_std": 0.1}, "turning_std says that the slip is not known"),
-        ({"start": [0.0, 0.0]}, "start must be a finite pose"),
-        ({"start_std": [0.1, 0.1, 0.0]}, "start_std must be 3 positive"),
-        ({"listening": 0.0}, "listening must be above 0"),
-        ({"bias_walk": np.nan}, "bias_walk must be a finite"),
+        ({"start": [0.0, 0.0]}, "start must be x, y, heading"),
+        ({"start_std": [0.1, 0.1, 0.0]}, "start_std must be one number above 0"),
+        ({"gyro_period": 0.0}, "gyro_period must be one number above 0"),
+        ({"bias_walk": np.nan}, "bias_walk must be one number at least 0"),
         ({"rate": 1e4}, "faster than the samples"),
         (
-            {"fixes": [fusion.Fix(500.0, np.zeros(2), np.ones(2))]},
+            {"fixes": [fusion.Fix(500.0, np.zeros(2), 1.0)]},
             "a fix at 500 s is outside the drive",
         ),
     ],
 )
-def test_the_honest_filter_refuses_what_makes_no_sense(drive, options, message):
+def test_the_pose_filter_refuses_what_makes_no_sense(drive, options, message):
     with pytest.raises(ValueError, match=message):
-        fusion.honest(drive, **options)
+        fusion.pose_filter(drive, **options)
 
 
 def test_what_is_no_recording_or_no_fix_is_named(drive):
-    with pytest.raises(TypeError, match=r"must be a drives\.Recording"):
-        fusion.honest(np.zeros(3))
-    with pytest.raises(TypeError, match=r"fixes must be localisation\.Fix"):
-        fusion.honest(drive, fixes=[(1.0, 2.0)])
+    with pytest.raises(TypeError, match="recording must be a Recording, got ndarray"):
+        fusion.pose_filter(np.zeros(3))
+    with pytest.raises(TypeError, match="each of fixes must be a Fix, got tuple"):
+        fusion.pose_filter(drive, fixes=[(1.0, 2.0)])
 
 
 @pytest.mark.parametrize(
     "make, message",
     [
-        (lambda: fusion.Fix(1.0, np.zeros(3), np.ones(2)), "value must end in 2"),
-        (lambda: fusion.Fix(-1.0, np.zeros(2), np.ones(2)), "time must be a finite"),
-        (lambda: fusion.Fix(1.0, np.zeros(2), np.zeros(2)), "std must be 2 positive"),
-        (lambda: fusion.Fix(1.0, np.zeros(2), np.ones(2), np.ones(3)), "landmark must be 2"),
+        (lambda: fusion.Fix(1.0, np.zeros(3), 1.0), "value must end in 2"),
+        (lambda: fusion.Fix(-1.0, np.zeros(2), 1.0), "time must be one number at least 0"),
+        (lambda: fusion.Fix(1.0, np.zeros(2), 0.0), "std must be one number above 0"),
     ],
 )
 def test_a_malformed_fix_is_refused(make, message):
@@ -344,10 +327,8 @@ def test_fixes_come_at_the_period_with_the_noise_that_they_say():
     np.testing.assert_allclose([fix.time for fix in fixes], np.arange(5, 180.1, 5), atol=0.02)
     errors = np.array([fix.value - recording.truth_at(fix.time)[:2] for fix in fixes])
     assert errors.std() == pytest.approx(fusion.STATION_STD, rel=0.05)
-    with pytest.raises(ValueError, match="period must be above 0"):
+    with pytest.raises(ValueError, match="period must be one number above 0"):
         fusion.total_station(recording, 0.0, np.random.default_rng(1))
-    with pytest.raises(ValueError, match=r"points must be finite, shape \(n, 2\)"):
-        fusion.landmarks(recording, [1.0, 2.0], 1.0, np.random.default_rng(1))
 
 
 # What no measurement shows
@@ -366,24 +347,35 @@ def test_fixes_come_at_the_period_with_the_noise_that_they_say():
     ],
 )
 def test_no_heading_sensor_shows_the_position_and_a_fix_does(name, seen, names):
-    found = fusion.hidden(name, seen)
+    found = fusion.unobservable(name, seen)
     assert found.names == names
     assert found.directions.shape == (len(found.unknown), len(names))
 
 
-def test_one_landmark_leaves_the_turn_about_it_hidden():
+def test_one_landmark_leaves_the_turn_about_it_unobservable():
     point = np.array([3.0, 20.0])
-    found = fusion.hidden("g", ("rate", "landmark"), landmark=point)
+    found = fusion.unobservable("g", ("rate", "landmark"), landmark=point)
     assert found.directions.shape[1] == 1
     about = np.array([point[1], -point[0], 1.0])
     direction = found.directions[:3, 0] / found.directions[2, 0]
     np.testing.assert_allclose(direction, about, atol=1e-6)
 
 
+def test_the_jacobian_of_range_and_bearing_agrees_with_differences():
+    point = np.array([4.0, -3.0])
+
+    def seen(x):
+        return [np.hypot(*(point - x[:2])), np.arctan2(*(point - x[:2])[::-1]) - x[PSI]]
+
+    for x in random_states(20):
+        wanted = kalman.numerical_jacobian(seen, x, angles=(1,))
+        np.testing.assert_allclose(_range_and_bearing(*(point - x[:2])), wanted, atol=1e-6)
+
+
 @pytest.mark.parametrize("seen", [(), ("gps",), "yaw"])
 def test_what_is_seen_must_be_known_sensors(seen):
-    with pytest.raises(ValueError, match="seen must be a sequence of names"):
-        fusion.hidden("g", seen)
+    with pytest.raises(ValueError, match="seen must be"):
+        fusion.unobservable("g", seen)
 
 
 # Monte Carlo
@@ -436,7 +428,7 @@ def test_rmse_wraps_angles_only_where_told():
 
 
 def test_a_trials_rmse_is_that_of_its_errors(trials):
-    trial = trials("rectangle", fusion.honest, heading="yaw")
+    trial = trials("rectangle", fusion.pose_filter, heading="yaw")
     plain = np.sqrt(np.mean(trial.error**2, axis=(0, 1)))
     np.testing.assert_allclose(trial.rmse, plain, rtol=0.03)
 
@@ -444,12 +436,12 @@ def test_a_trials_rmse_is_that_of_its_errors(trials):
 @pytest.mark.parametrize(
     "change, message",
     [
-        ({"time": [0.0, 0.0, 1.0]}, "time must be increasing"),
-        ({"signal": np.zeros((2, 1))}, "a row for each of its 3 times"),
+        ({"time": [0.0, 0.0, 1.0]}, "time must rise"),
+        ({"signal": np.zeros((2, 1))}, r"signal must have shape \(3, k\)"),
         ({"estimate": np.full((3, 1), np.nan)}, "estimate must be finite"),
-        ({"estimate": np.zeros((3, 2))}, "the same components"),
+        ({"estimate": np.zeros((3, 2))}, r"estimate must have shape \(..., 3, 1\)"),
         ({"time_e": [5.0, 6.0, 7.0]}, "must overlap in time"),
-        ({"period": 0.0}, "period must be a positive time"),
+        ({"period": 0.0}, "period must be one number above 0"),
     ],
 )
 def test_rmse_refuses_signals_that_do_not_match(change, message):
@@ -464,9 +456,9 @@ def test_rmse_refuses_signals_that_do_not_match(change, message):
 @pytest.mark.parametrize(
     "pair, message",
     [
-        ((0.0, 1.0), "odometry must be positive errors"),
-        ((1.0, np.nan), "filtered must be positive errors"),
-        (([1.0, 2.0], [1.0]), "both must have one shape"),
+        ((0.0, 1.0), "odometry must be errors above 0"),
+        ((1.0, np.nan), "filtered must be finite"),
+        (([1.0, 2.0], [1.0]), "odometry and filtered must be alike"),
     ],
 )
 def test_an_improvement_needs_two_errors(pair, message):
@@ -484,7 +476,7 @@ def test_the_localiser_says_what_the_filter_says_of_the_whole_drive():
     localiser.reset(recording.truth[0])
     samples = zip(recording.left[1:], recording.right[1:], recording.gyro[1:], strict=True)
     poses = np.array([localiser(*sample, None, 0.02) for sample in samples])
-    whole = fusion.honest(recording, rate=50.0, use="latest")
+    whole = fusion.pose_filter(recording, rate=50.0, use="latest")
     np.testing.assert_allclose(poses, whole.pose[1:], atol=1e-8)
     np.testing.assert_allclose(localiser.x[PSI], whole.state[-1, PSI])
     np.testing.assert_allclose(np.diag(localiser.P)[:5], whole.std[-1, :5] ** 2, rtol=1e-6)
@@ -510,9 +502,9 @@ def test_a_fix_pulls_the_localiser_to_it():
 @pytest.mark.parametrize(
     "make, message",
     [
-        (lambda: fusion.Odometer(turning=0.0), "turning must be above 0"),
-        (lambda: fusion.Localiser(fix_std=0.0), "must be above 0"),
-        (lambda: Model(period=-1.0), "period must be a finite number, 0 or more"),
+        (lambda: fusion.Odometer(turning=0.0), "turning must be one number above 0"),
+        (lambda: fusion.Localiser(fix_std=0.0), "fix_std must be one number above 0"),
+        (lambda: Model(period=-1.0), "period must be one number at least 0"),
     ],
 )
 def test_settings_of_the_parts_are_checked(make, message):

@@ -6,13 +6,13 @@ from backhoe.lessons.ekf.exercises import motion
 from backhoe.localisation import drives, fusion
 
 
-def test_cycles_one_after_another_are_the_librarys_honest_filter_with_a_yaw():
-    drive, model = drives.load("rectangle"), fusion.Model()
-    theirs = fusion.honest(drive, heading="yaw", slip=False)
+def test_cycles_one_after_another_are_the_librarys_pose_filter_with_a_yaw():
+    drive = drives.load("rectangle")
+    theirs = fusion.pose_filter(drive, heading="yaw", slip=False)
     steps = fusion.increments(drive)
     x, P = drive.truth[0], np.diag(fusion.START_STD) ** 2
     for k, dt in enumerate(steps.dt[:600]):
-        M = model.encoder_variance(dt)
+        M = drives.NOISE.encoder * dt / drives.SAMPLE_RATE
         x, P = motion.cycle(x, P, steps.left[k], steps.right[k], steps.yaw[k], M, 0.02)
     np.testing.assert_allclose(x, theirs.pose[600], atol=1e-9)
     np.testing.assert_allclose(P, theirs.covariance[600], atol=1e-12)

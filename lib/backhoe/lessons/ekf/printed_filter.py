@@ -25,7 +25,7 @@ from backhoe.lessons.ekf.printed import H_IMU_427, H_ODOM_426, jacobian_425, mot
 from backhoe.localisation import odometry
 from backhoe.localisation.drives import Recording
 from backhoe.localisation.fusion import (
-    RATE,
+    CYCLE_RATE,
     START_STD,
     Estimate,
     Increments,
@@ -56,7 +56,7 @@ def as_printed(
     R_imu: float = 0.02,
     start: ArrayLike | None = None,
     start_std: ArrayLike = START_STD,
-    rate: float = RATE,
+    rate: float = CYCLE_RATE,
 ) -> Estimate:
     """The filter of the thesis: the integrated pose of the odometry as an absolute measurement.
 
@@ -99,7 +99,7 @@ def as_ancestor(
     R_imu: float = 0.02,
     start: ArrayLike | None = None,
     start_std: ArrayLike = START_STD,
-    rate: float = RATE,
+    rate: float = CYCLE_RATE,
 ) -> Estimate:
     """robot_pose_ekf: odometry and yaw made relative to the last estimate, the past forgotten.
 

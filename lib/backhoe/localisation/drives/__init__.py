@@ -13,12 +13,19 @@ with them a drive of the machine itself in the simulation (`mission.drive_the_ma
 
 from backhoe.localisation.drives.files import FOLDER, from_log, load, names, save
 from backhoe.localisation.drives.recording import NOISE, SEED, SLIPPING, Noise, Recording, record
-from backhoe.localisation.drives.scenarios import RATE, SCENARIOS, Scenario, Segment, Truth, truth
+from backhoe.localisation.drives.scenarios import (
+    SAMPLE_RATE,
+    SCENARIOS,
+    Scenario,
+    Segment,
+    Truth,
+    truth,
+)
 
 __all__ = [
     "FOLDER",
     "NOISE",
-    "RATE",
+    "SAMPLE_RATE",
     "SCENARIOS",
     "SEED",
     "SLIPPING",

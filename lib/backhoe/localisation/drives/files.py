@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from backhoe.basics.inputs import choice
 from backhoe.localisation import drive_log
 from backhoe.localisation.drive_log import DriveLog
 from backhoe.localisation.drives.recording import NOISE, SEED, Recording
@@ -53,8 +54,7 @@ def load(name: str, folder: str | Path = FOLDER) -> Recording:
         ValueError: no drive of that name, or a file that is no log.
         FileNotFoundError: a file is not there.
     """
-    if name not in names():
-        raise ValueError(f"no drive {name!r}: there are {', '.join(names())}")
+    choice(name, "name", names())
     encoders, imu, truth = (
         _read(path, columns)
         for path, columns in zip(_paths(name, Path(folder)), _COLUMNS, strict=True)

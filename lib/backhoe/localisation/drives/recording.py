@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from math import isfinite, sqrt
-from numbers import Integral, Real
+from math import sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
-from backhoe.localisation.drives.scenarios import RATE, Truth, truth
+from backhoe.basics.inputs import not_negative, number, numbers, whole
+from backhoe.localisation.drives.scenarios import SAMPLE_RATE, Truth, truth
 from backhoe.machine import BACKHOE, Machine
 
 SEED = 2013
@@ -45,10 +44,7 @@ class Noise:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            number = isinstance(value, Real) and not isinstance(value, bool)
-            if not number or not isfinite(value) or value < 0:
-                raise ValueError(f"Noise.{field.name} must be finite, 0 or more, got {value!r}")
+            not_negative(getattr(self, field.name), f"Noise.{field.name}")
 
 
 NOISE = Noise(encoder=0.02, gyro=0.02, yaw=0.02, accelerometer=0.02, gyro_bias=0.002)
@@ -103,7 +99,7 @@ class Recording:
         Raises:
             ValueError: a time outside the truth's.
         """
-        time = real_array(time, "time must be numbers [s]")
+        time = numbers(time, "time")
         first, last = self.truth_time[[0, -1]]
         if not ((time >= first - 1e-9) & (time <= last + 1e-9)).all():
             raise ValueError(f"the truth goes from {first:g} to {last:g} s, got times outside it")
@@ -115,7 +111,7 @@ def record(
     name: str,
     *,
     turning: float = 1.0,
-    rate: float = RATE,
+    rate: float = SAMPLE_RATE,
     runs: int | None = None,
     seed: int = SEED,
     noise: Noise = NOISE,
@@ -140,16 +136,10 @@ def record(
     Raises:
         ValueError: an unknown scenario, or a turning, rate, runs or seed out of range.
     """
-    if not isinstance(turning, Real) or isinstance(turning, bool) or not 0 < turning <= 1:
-        raise ValueError(f"turning must be above 0 and at most 1 (no slip), got {turning!r}")
-    if runs is not None and (not isinstance(runs, Integral) or isinstance(runs, bool) or runs < 1):
-        raise ValueError(f"runs must be a whole number from 1, or None, got {runs!r}")
+    turning = number(turning, "turning", "1", above=0, most=1)
     motion, tracks = truth(name, rate), machine.tracks
     apart = tracks.gauge / 2 * motion.omega / turning
-    sprockets = (
-        (motion.v - apart) / tracks.sprocket_radius,
-        (motion.v + apart) / (tracks.sprocket_radius),
-    )
+    sprockets = tuple((motion.v + side) / tracks.sprocket_radius for side in (-apart, apart))
     label = name if turning == 1 else f"{name} with slip"
     return sense(label, motion, sprockets, turning, runs, seed, noise, machine)
 
@@ -170,9 +160,9 @@ def sense(
         motion: the truth.
         sprockets: true rates of the left and right one, shape (n,) each [rad/s].
     """
-    if not isinstance(seed, Integral) or isinstance(seed, bool) or seed < 0:
-        raise ValueError(f"seed must be a whole number from 0, got {seed!r}")
-    shape = motion.time.shape if runs is None else (runs, *motion.time.shape)
+    seed, shape = whole(seed, "seed", least=0), motion.time.shape
+    if runs is not None:
+        shape = (whole(runs, "runs", least=1), *shape)
     noisy = _adding(np.random.default_rng(seed), shape)
     bias = noise.gyro_bias * np.random.default_rng([seed, 1]).standard_normal(shape[:-1])
     left, right = (noisy(rate, noise.encoder) for rate in sprockets)

@@ -6,13 +6,14 @@ Source: Mastalli 2013, sections 4.6.1 to 4.6.3, for shape and duration; the numb
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, pi
-from numbers import Real
+from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-RATE = 100.0
+from backhoe.basics.inputs import choice, number
+
+SAMPLE_RATE = 100.0
 """Of the encoders and the IMU [Hz]: Mastalli 2013, section 4.5."""
 
 RAMP = 1.0
@@ -119,7 +120,7 @@ class Truth:
     acceleration: NDArray
 
 
-def truth(name: str, rate: float = RATE) -> Truth:
+def truth(name: str, rate: float = SAMPLE_RATE) -> Truth:
     """The true motion of a scenario.
 
     Source: Mastalli 2013, section 4.6; the numbers ours.
@@ -134,9 +135,9 @@ def truth(name: str, rate: float = RATE) -> Truth:
     Raises:
         ValueError: no such scenario, or a rate that is no divisor of 1000 Hz.
     """
-    segments, stride = _scenario(name).segments, _stride(rate)
-    instants = np.arange(round(2 * _FINE * _scenario(name).duration) + 1) / (2 * _FINE)
-    v, omega = _speeds(segments, instants)
+    scenario, stride = SCENARIOS[choice(name, "name", SCENARIOS)], _stride(rate)
+    instants = np.arange(round(2 * _FINE * scenario.duration) + 1) / (2 * _FINE)
+    v, omega = _speeds(scenario.segments, instants)
     step = 1.0 / _FINE
     turned = step / 6 * (omega[:-2:2] + 4 * omega[1:-1:2] + omega[2::2])
     heading = np.concatenate([[0.0], np.cumsum(turned)])
@@ -166,15 +167,8 @@ def _speeds(segments: tuple[Segment, ...], t: NDArray) -> tuple[NDArray, NDArray
     return v, omega
 
 
-def _scenario(name: str) -> Scenario:
-    if name not in SCENARIOS:
-        raise ValueError(f"no scenario {name!r}: there are {', '.join(SCENARIOS)}")
-    return SCENARIOS[name]
-
-
 def _stride(rate: float) -> int:
-    number = isinstance(rate, Real) and not isinstance(rate, bool) and isfinite(rate) and rate > 0
-    stride = round(_FINE / rate) if number else 0
-    if stride < 1 or abs(stride * rate - _FINE) > 1e-9 * _FINE:
+    stride = round(_FINE / number(rate, "rate", "Hz", least=1, most=_FINE))
+    if abs(stride * rate - _FINE) > 1e-9 * _FINE:
         raise ValueError(f"rate must divide {_FINE} Hz, such as 100, 50 or 20, got {rate!r}")
     return stride

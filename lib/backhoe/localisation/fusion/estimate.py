@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.localisation.fusion.sampling import Increments
+from backhoe.localisation.fusion.cycle import Increments
 
 
 @dataclass(frozen=True, eq=False)

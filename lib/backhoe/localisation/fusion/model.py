@@ -3,7 +3,7 @@
 The increments of the encoders are the input, with their noise; nothing pretends that they measure
 the pose. Of the state, `TURNING` is the share of the ideal turn that the slipping tracks give, as
 slip lengthens the gauge to gauge/turning, and `BIAS` is the gyro's. `TURNED` is the turn since the
-gyro was last listened to. The gyro measures this turn, and the encoders' noise that is in it went
+last update by the gyro. The gyro measures this turn, and the encoders' noise that is in it went
 into the heading as well: a filter can only know that if the turn is a part of its state.
 
     s = r (left + right)/2                      way over a step [m]
@@ -11,9 +11,9 @@ into the heading as well: a filter can only know that if the turn is a part of i
     x   <- x + s cos(psi + turning d/2)
     y   <- y + s sin(psi + turning d/2)
     psi <- psi + turning d
-    turned <- turned + turning d                 and 0 after each look at the gyro
+    turned <- turned + turning d                 and 0 after each update by the gyro
 
-The gyro is listened to once a second and not in every step. What tells the slip is the turn by the
+The gyro updates once a second and not in every step. What tells the slip is the turn by the
 encoders beside that by the gyro, and the noise of a single step's turn is not small beside the turn
 itself: it would be taken for turning that the gyro did not see, and the slip come out too large
 (errors in variables). Over a second the noise is 30 times smaller beside the turn, in variance.
@@ -27,12 +27,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.localisation.drives import NOISE, RATE, Noise
-from backhoe.localisation.fusion.checks import not_negative
+from backhoe.basics.inputs import not_negative
+from backhoe.localisation.drives import NOISE, SAMPLE_RATE, Noise
 from backhoe.machine import BACKHOE, Machine
 
 X, Y, PSI, BIAS, TURNING, TURNED = range(6)
-POSE = slice(0, 3)
 ANGLES = (PSI,)
 NAMES = ("x", "y", "psi", "bias", "turning", "turned")
 
@@ -69,15 +68,15 @@ class Model:
         machine: Machine = BACKHOE,
         noise: Noise = NOISE,
         *,
-        period: float = 1 / RATE,
+        period: float = 1 / SAMPLE_RATE,
         bias_walk: float = 0.0,
         turning_walk: float = 0.0,
     ) -> None:
         self.machine, self.noise = machine, noise
         self.radius, self.gauge = machine.tracks.sprocket_radius, machine.tracks.gauge
-        self.period = not_negative("period", period)
-        self.bias_walk = not_negative("bias_walk", bias_walk)
-        self.turning_walk = not_negative("turning_walk", turning_walk)
+        self.period = not_negative(period, "period", "s")
+        self.bias_walk = not_negative(bias_walk, "bias_walk")
+        self.turning_walk = not_negative(turning_walk, "turning_walk")
 
     def _step(self, x: NDArray, u: ArrayLike) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Way s, turn d without slip, and s times cosine and sine of the middle heading."""
@@ -91,7 +90,8 @@ class Model:
         """The motion over a step.
 
         Args:
-            x: state, shape (..., 6).
+            x: state x, y, psi, bias, turning, turned, shape (..., 6)
+                [m, m, rad, rad/s, 1, rad].
             u: turns of the left and right sprocket over the step, shape (..., 2) [rad].
             dt: of the step [s].
 
@@ -107,7 +107,7 @@ class Model:
         return moved
 
     def F(self, x: NDArray, u: ArrayLike, dt: float) -> NDArray:
-        """Its Jacobian df/dx before the step, shape (..., 6, 6); arguments as `f`."""
+        """Its Jacobian df/dx before the step, shape (..., 6, 6), in the units of x; as for `f`."""
         _, d, ahead_x, ahead_y = self._step(x, u)
         F = np.zeros((*ahead_x.shape, 6, 6))
         F[..., range(6), range(6)] = 1.0
@@ -117,7 +117,8 @@ class Model:
         return F
 
     def Q(self, x: NDArray, u: ArrayLike, dt: float) -> NDArray:
-        """What the encoders' noise and the walks add over a step, shape (..., 6, 6)."""
+        """What the encoders' noise and the walks add over a step, shape (..., 6, 6), in the units
+        of x; arguments as for `f`."""
         s, d, ahead_x, ahead_y = self._step(x, u)
         turning = x[..., TURNING]
         middle = x[..., PSI] + turning * d / 2
@@ -125,20 +126,16 @@ class Model:
         way[..., X], way[..., Y] = np.cos(middle), np.sin(middle)
         turn[..., X], turn[..., Y] = -turning * ahead_y / 2, turning * ahead_x / 2
         turn[..., PSI] = turn[..., TURNED] = turning
-        side = self.encoder_variance(dt) * self.radius**2
+        side = self.noise.encoder * dt * (self.period or dt) * self.radius**2
         Q = side / 2 * way[..., :, None] * way[..., None, :]
         Q += 2 * side / self.gauge**2 * turn[..., :, None] * turn[..., None, :]
         Q[..., BIAS, BIAS] += self.bias_walk**2 * dt
         Q[..., TURNING, TURNING] += self.turning_walk**2 * dt
         return Q
 
-    def encoder_variance(self, dt: float) -> float:
-        """Of a sprocket's turn over a step of dt [s], in rad^2."""
-        return self.noise.encoder * dt * (self.period or dt)
-
     @staticmethod
     def H_gyro(since: float) -> NDArray:
-        """Of the turn by the gyro since it was last listened to: turned + bias since, (1, 6).
+        """Of the turn by the gyro since its last update, turned + bias since, shape (1, 6).
 
         Args:
             since: time since then [s].
@@ -149,13 +146,13 @@ class Model:
         """Of that turn, shape (1, 1) [rad^2].
 
         Args:
-            since: time since the gyro was last listened to [s].
+            since: time since the gyro's last update [s].
             step: of the filter [s]; matters only if each step holds a single sample.
         """
         return np.array([[self.noise.gyro * since * (self.period or step or since)]])
 
     @staticmethod
-    def listened(filter_: object) -> None:
+    def restart_turn(filter_: object) -> None:
         """Begin to count the turn anew: to be called after each update by the gyro.
 
         Args:
@@ -168,24 +165,3 @@ class Model:
     def R_yaw(self) -> NDArray:
         """Of a sample of the absolute yaw, shape (1, 1) [rad^2]."""
         return np.array([[self.noise.yaw]])
-
-    @staticmethod
-    def h_landmark(x: NDArray, point: ArrayLike) -> NDArray:
-        """Range [m] and bearing from straight ahead [rad] of a point, shape (..., 2).
-
-        Args:
-            x: state, shape (..., 6).
-            point: x, y of the landmark, shape (2,) [m].
-        """
-        to_x, to_y = point[0] - x[..., X], point[1] - x[..., Y]
-        return np.stack([np.hypot(to_x, to_y), np.arctan2(to_y, to_x) - x[..., PSI]], axis=-1)
-
-    @staticmethod
-    def H_landmark(x: NDArray, point: ArrayLike) -> NDArray:
-        """Jacobian of `h_landmark`, shape (..., 2, 6)."""
-        to_x, to_y = point[0] - x[..., X], point[1] - x[..., Y]
-        far = np.hypot(to_x, to_y)
-        H = np.zeros((*far.shape, 2, 6))
-        H[..., 0, X], H[..., 0, Y] = -to_x / far, -to_y / far
-        H[..., 1, X], H[..., 1, Y], H[..., 1, PSI] = to_y / far**2, -to_x / far**2, -1.0
-        return H

@@ -1,7 +1,7 @@
 """The same drive many times with noise of its own each time: does an estimator know its errors?
 
 On average over runs, the error squared in its own standard deviations (NEES) of a pose is 3. Over
-50 runs it lies between 2.36 and 3.72 in 95 % of all instants, if the estimator is honest.
+50 runs it lies between 2.36 and 3.72 in 95 % of all instants, if the estimator is consistent.
 """
 
 from __future__ import annotations
@@ -12,10 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.angles import residual
+from backhoe.basics.inputs import whole
 from backhoe.localisation import kalman
 from backhoe.localisation.drives import NOISE, SEED, Noise, Recording, record
 from backhoe.localisation.fusion.estimate import Estimate
-from backhoe.localisation.fusion.honest import START_STD
+from backhoe.localisation.fusion.estimators import START_STD
 from backhoe.localisation.fusion.scores import pose_rmse
 
 RUNS = 50
@@ -31,7 +33,7 @@ class MonteCarlo:
         time: shape (K,) [s].
         error: truth minus estimate, heading wrapped, shape (runs, K, 3) [m, m, rad].
         nees: of the pose, average over the runs, shape (K,); None without a covariance.
-        band: where it lies in 95 % of the instants if the estimator is honest.
+        band: where it lies in 95 % of the instants if the estimator is consistent.
         nis: of the heading's measurements, average over the runs, where there is one, shape (j,);
             None without.
         nis_band: the same of the NIS.
@@ -51,7 +53,7 @@ class MonteCarlo:
 
     @property
     def mean_nees(self) -> float:
-        """Average over runs and time; 3 for an honest estimator."""
+        """Average over runs and time; 3 for a consistent estimator."""
         return float(np.mean(self._claimed()))
 
     @property
@@ -76,7 +78,8 @@ class MonteCarlo:
 
 
 def starts(recording: Recording, seed: int = SEED) -> NDArray:
-    """Poses at which the runs believe to start: the truth with `START_STD`, shape (runs, 3)."""
+    """Poses at which the runs believe to start: the truth with `START_STD`, shape (runs, 3)
+    [m, m, rad]."""
     runs = len(recording.left)
     noise = np.random.default_rng([seed, 2]).standard_normal((runs, 3))
     return recording.truth[0] + noise * START_STD
@@ -97,7 +100,7 @@ def monte_carlo(
 
     Args:
         name: one of drives.SCENARIOS.
-        estimator: `honest`, `as_printed`, `as_ancestor`, `dead_reckoning`, or your own:
+        estimator: `pose_filter`, `dead_reckoning`, or your own:
             estimator(recording, start=poses, **options) -> Estimate.
         runs: how many, at least 2.
         turning: share of the ideal turn rate that the tracks give.
@@ -113,14 +116,12 @@ def monte_carlo(
     Raises:
         ValueError: as `drives.record` and the estimator raise, or fewer than 2 runs.
     """
+    runs = whole(runs, "runs", least=2)
     recording = record(name, turning=turning, runs=runs, seed=seed, noise=noise)
-    if runs is None or runs < 2:
-        raise ValueError(f"runs must be at least 2, got {runs!r}")
     if fixes is not None:
         options["fixes"] = fixes(recording, np.random.default_rng([seed, 3]))
     estimate = estimator(recording, start=starts(recording, seed), **options)
-    error = recording.truth_at(estimate.time[1:]) - estimate.pose[:, 1:]
-    error[..., 2] = kalman.wrap(error[..., 2])
+    error = residual(recording.truth_at(estimate.time[1:]), estimate.pose[:, 1:], (2,))
     covariance = estimate.covariance
     nees = None if covariance is None else kalman.nees(error, covariance[:, 1:]).mean(axis=0)
     nis = estimate.nis

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, positive
 from backhoe.localisation import odometry
 from backhoe.localisation.drives import NOISE, SLIPPING, Noise
-from backhoe.localisation.fusion.checks import not_negative
+from backhoe.localisation.fusion.estimators import GYRO_PERIOD, START_STD, initial
 from backhoe.localisation.fusion.fixes import STATION_STD
-from backhoe.localisation.fusion.honest import LISTENING, START_STD, initial
 from backhoe.localisation.fusion.model import ANGLES, Model
 from backhoe.localisation.kalman import ExtendedKalmanFilter
 from backhoe.machine import BACKHOE, Machine
@@ -35,9 +34,8 @@ class Odometer:
     """
 
     def __init__(self, machine: Machine = BACKHOE, turning: float = SLIPPING) -> None:
-        if not_negative("turning", turning) == 0:
-            raise ValueError("turning must be above 0: the machine would never turn")
-        self.machine, self.gauge = machine, machine.tracks.gauge / turning
+        self.machine = machine
+        self.gauge = machine.tracks.gauge / positive(turning, "turning", "1")
 
     def __call__(self, pose: ArrayLike, left: float, right: float, dt: float) -> NDArray:
         """The pose after dt.
@@ -55,7 +53,7 @@ class Odometer:
 
 
 class Localiser:
-    """The honest filter, sample by sample: encoders, gyro and, now and then, a fix.
+    """The pose filter, sample by sample: encoders, gyro and, now and then, a fix.
 
     Args:
         machine: its sprocket radius and gauge.
@@ -63,10 +61,10 @@ class Localiser:
         turning: share of the ideal turn rate before the drive, mean and standard deviation.
         turning_walk: how fast the slip may change [1 per sqrt(s)].
         fix_std: of each coordinate of a fix [m].
-        listening: time between two updates by the gyro [s].
+        gyro_period: time between two updates by the gyro [s].
 
     Attributes:
-        filter: the `kalman.ExtendedKalmanFilter`; its state is that of `localisation.Model`.
+        filter: the `kalman.ExtendedKalmanFilter`; its state is that of `fusion.Model`.
 
     Raises:
         ValueError: a number out of range.
@@ -80,12 +78,11 @@ class Localiser:
         turning: tuple[float, float] = CALIBRATED,
         turning_walk: float = TURNING_WALK,
         fix_std: float = STATION_STD,
-        listening: float = LISTENING,
+        gyro_period: float = GYRO_PERIOD,
     ) -> None:
-        if not_negative("fix_std", fix_std) == 0 or not_negative("listening", listening) == 0:
-            raise ValueError("fix_std and listening must be above 0")
-        self._turning, self._listening = turning, listening
-        self._R_fix = fix_std**2 * np.eye(2)
+        self._turning = turning
+        self._gyro_period = positive(gyro_period, "gyro_period", "s")
+        self._R_fix = positive(fix_std, "fix_std", "m") ** 2 * np.eye(2)
         self._model = Model(machine, noise, period=0.0, turning_walk=turning_walk)
         self.reset(np.zeros(3))
 
@@ -101,7 +98,7 @@ class Localiser:
 
     def reset(self, pose: ArrayLike) -> None:
         """Begin at a pose, shape (3,) [m, m, rad]."""
-        pose, model = real_array(pose, "pose must be x, y, heading [m, m, rad]"), self._model
+        pose, model = numbers(pose, "pose", (3,), meaning="x, y, heading"), self._model
         x0, P0 = initial(pose, START_STD, self._turning, model.noise.gyro_bias)
         self.filter = ExtendedKalmanFilter(
             model.f, model.F, None, None, model.Q, None, x0, P0, angles=ANGLES
@@ -126,10 +123,10 @@ class Localiser:
         filter_.predict(np.array([left * dt, right * dt]), dt)
         self._turn += yaw_rate * dt
         self._since += dt
-        if self._since >= self._listening - dt / 2:
+        if self._since >= self._gyro_period - dt / 2:
             R = model.R_gyro(self._since, dt)
             filter_.update([self._turn], H=model.H_gyro(self._since), R=R)
-            model.listened(filter_)
+            model.restart_turn(filter_)
             self._turn = self._since = 0.0
         if fix is not None:
             filter_.update(fix, H=model.H_POSITION, R=self._R_fix)

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.angles import residual
+from backhoe.basics.inputs import alike, numbers, positive, times
 from backhoe.localisation.fusion.estimate import Estimate
-from backhoe.localisation.kalman import wrap
 
 PERIOD = 0.05
 """Of the grid on which signals are compared [s]: ours, the rate of the truth in the files."""
@@ -44,10 +44,10 @@ def rmse(
     Source: Mastalli 2013, Algorithm 2, corrected.
 
     Args:
-        time: of the signal, increasing, shape (n,) [s].
-        signal: the truth, shape (n, k).
-        time_e: of the estimate, increasing, shape (m,) [s].
-        estimate: shape (..., m, k).
+        time: of the signal, rising, shape (n,) [s].
+        signal: the truth, shape (n, k) [own units].
+        time_e: of the estimate, rising, shape (m,) [s].
+        estimate: shape (..., m, k), in the signal's units.
         period: of the grid [s].
         angles: which of the k components are angles, wrapped [rad].
 
@@ -55,37 +55,28 @@ def rmse(
         Shape (..., k), in the signal's units.
 
     Raises:
-        ValueError: shapes that do not fit, times that do not increase or do not overlap, values
+        ValueError: shapes that do not fit, times that do not rise or do not overlap, values
             that are not finite, or a period that is not positive.
     """
-    time, time_e = _increasing("time", time), _increasing("time_e", time_e)
-    signal, estimate = _columns("signal", signal, time), _columns("estimate", estimate, time_e)
-    if signal.shape[-1] != estimate.shape[-1] or signal.ndim != 2:
-        raise ValueError(
-            f"signal (n, k) and estimate (..., m, k) must have the same components, got shapes "
-            f"{signal.shape} and {estimate.shape}"
-        )
-    if not np.isfinite(period) or period <= 0:
-        raise ValueError(f"period must be a positive time [s], got {period!r}")
+    time, time_e = times(time, "time", least=1), times(time_e, "time_e", least=1)
+    signal = numbers(signal, "signal", (len(time), "k"))
+    estimate = numbers(estimate, "estimate", (..., len(time_e), signal.shape[1]))
+    period = positive(period, "period", "s")
     first, last = max(time[0], time_e[0]), min(time[-1], time_e[-1])
     if last < first:
         raise ValueError("signal and estimate must overlap in time: check their clocks")
     grid = first + period * np.arange(int((last - first) / period + 1e-9) + 1)
-    error = estimate[..., nearest(time_e, grid), :] - signal[nearest(time, grid)]
-    for component in angles:
-        error[..., component] = wrap(error[..., component])
+    at_e, at = nearest(time_e, grid), nearest(time, grid)
+    error = residual(estimate[..., at_e, :], signal[at], angles)
     return np.sqrt(np.mean(error**2, axis=-2))
 
 
 def nearest(time: NDArray, wanted: NDArray) -> NDArray:
-    """Index of the sample nearest to each wanted time; of two as near, the earlier one.
+    """Indices (k,) of the samples nearest to wanted times (k,); of two as near, the earlier.
 
     Args:
-        time: increasing, shape (n,) [s].
+        time: rising, shape (n,) [s].
         wanted: shape (k,) [s].
-
-    Returns:
-        Indices, shape (k,).
     """
     after = np.clip(np.searchsorted(time, wanted), 1, max(len(time) - 1, 1))
     if len(time) == 1:
@@ -117,8 +108,8 @@ def improvement(odometry: ArrayLike, filtered: ArrayLike) -> Improvement:
     Source: Mastalli 2013, Tables 4.1 to 4.3.
 
     Args:
-        odometry: RMSE, shape (...).
-        filtered: RMSE of the filter, shape (...), same units.
+        odometry: RMSE, shape (...) [own unit].
+        filtered: RMSE of the filter, shape (...) [same].
 
     Returns:
         The two percentages, shape (...) each.
@@ -126,30 +117,9 @@ def improvement(odometry: ArrayLike, filtered: ArrayLike) -> Improvement:
     Raises:
         ValueError: an error that is not positive, or shapes that differ.
     """
-    odometry = real_array(odometry, "odometry must be numbers")
-    filtered = real_array(filtered, "filtered must be numbers")
-    if odometry.shape != filtered.shape:
-        raise ValueError(f"both must have one shape, got {odometry.shape} and {filtered.shape}")
+    odometry, filtered = numbers(odometry, "odometry"), numbers(filtered, "filtered")
+    alike(odometry=odometry, filtered=filtered)
     for name, value in (("odometry", odometry), ("filtered", filtered)):
-        if not (np.isfinite(value) & (value > 0)).all():
-            raise ValueError(f"{name} must be positive errors, got {value}")
+        if (value <= 0).any():
+            raise ValueError(f"{name} must be errors above 0, got {value}")
     return Improvement(100 * odometry / filtered, 100 * (1 - filtered / odometry))
-
-
-def _increasing(name: str, time: ArrayLike) -> NDArray:
-    time = real_array(time, f"{name} must be numbers [s]")
-    if time.ndim != 1 or not len(time) or not (np.diff(time) > 0).all():
-        raise ValueError(f"{name} must be increasing times, shape (n,), got shape {time.shape}")
-    return time
-
-
-def _columns(name: str, values: ArrayLike, time: NDArray) -> NDArray:
-    values = real_array(values, f"{name} must be numbers")
-    if values.ndim < 2 or values.shape[-2] != len(time):
-        raise ValueError(
-            f"{name} must have a row for each of its {len(time)} times, shape (..., n, k), got "
-            f"shape {values.shape}"
-        )
-    if not np.isfinite(values).all():
-        raise ValueError(f"{name} must be finite")
-    return values

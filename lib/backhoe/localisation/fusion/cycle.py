@@ -10,16 +10,14 @@ Source: Mastalli 2013, section 4.5 (100 Hz and 30 Hz; how they are joined it doe
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
-from numbers import Real
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import choice, instance, positive, times
 from backhoe.localisation.drives import Recording
 
-RATE = 30.0
+CYCLE_RATE = 30.0
 """Cycles of the filter a second [Hz]: Mastalli 2013, section 4.5."""
 
 USES = ("all", "latest")
@@ -44,7 +42,7 @@ class Increments:
     use: str
 
 
-def cycles(time: ArrayLike, rate: float = RATE) -> NDArray:
+def cycles(time: ArrayLike, rate: float = CYCLE_RATE) -> NDArray:
     """Index of the newest sample at each cycle.
 
     Args:
@@ -55,15 +53,10 @@ def cycles(time: ArrayLike, rate: float = RATE) -> NDArray:
         Increasing indices, shape (K+1,), from 0.
 
     Raises:
-        ValueError: time is no increasing row of two numbers or more, or rate is not positive, or
-            so high that a cycle would have no sample.
+        ValueError: time is no rising row of two numbers or more, or rate is not positive, or so
+            high that a cycle would have no sample.
     """
-    time = real_array(time, "time must be numbers [s]")
-    if time.ndim != 1 or len(time) < 2 or not (np.diff(time) > 0).all():
-        raise ValueError(f"time must be 2 or more increasing numbers, got shape {time.shape}")
-    number = isinstance(rate, Real) and not isinstance(rate, bool)
-    if not number or not isfinite(rate) or rate <= 0:
-        raise ValueError(f"rate must be a positive number of cycles a second, got {rate!r}")
+    time, rate = times(time, "time"), positive(rate, "rate", "Hz")
     count = int((time[-1] - time[0]) * rate + 1e-6)
     ends = time[0] + np.arange(count + 1) / rate
     newest = np.searchsorted(time, ends + 1e-9, side="right") - 1
@@ -74,7 +67,7 @@ def cycles(time: ArrayLike, rate: float = RATE) -> NDArray:
     return newest
 
 
-def increments(recording: Recording, rate: float = RATE, *, use: str = "all") -> Increments:
+def increments(recording: Recording, rate: float = CYCLE_RATE, *, use: str = "all") -> Increments:
     """Sum the samples of a recording up, cycle by cycle.
 
     Args:
@@ -88,9 +81,10 @@ def increments(recording: Recording, rate: float = RATE, *, use: str = "all") ->
 
     Raises:
         ValueError: a rate out of range or an unknown use.
+        TypeError: no recording.
     """
-    if use not in USES:
-        raise ValueError(f"use must be one of {', '.join(USES)}, got {use!r}")
+    choice(use, "use", USES)
+    instance(recording, "recording", Recording, "drives.load or drives.record gives one")
     time, ends = recording.time, cycles(recording.time, rate)
     signals = np.stack([recording.left, recording.right, recording.gyro])
     dt = np.diff(time[ends])

@@ -130,7 +130,7 @@ def kp_condition_312(kp: ArrayLike, ki: ArrayLike, constants: Constants) -> bool
     """The rewriting of (3.12), lambda_min(K_p) - lambda_max(K_i) > k_g: 1/alpha is lost.
 
     Args:
-        kp, ki: gains [N m/rad, N m/(rad s)]; the printed difference mixes their units.
+        kp, ki: gains, shape (4,) or (4, 4) [N m/rad, N m/(rad s)]; the printed difference mixes their units.
 
     Raises:
         ValueError: a gain is not positive definite.
@@ -142,7 +142,7 @@ def alpha_high_317(kd: ArrayLike, constants: Constants) -> float:
     """(3.17): alpha < lambda_min(M) lambda_min(K_d) / lambda_max(M)^2. Sufficient for V > 0.
 
     Args:
-        kd: gain [N m s/rad].
+        kd: gain, shape (4,) or (4, 4) [N m s/rad].
 
     Returns:
         The bound [1/s].
@@ -158,7 +158,7 @@ def weight_322(dq: ArrayLike, kd: ArrayLike, alpha: float, constants: Constants)
 
     Args:
         dq: joint speeds, shape (..., 4) [rad/s].
-        kd: gain [N m s/rad].
+        kd: gain, shape (4,) or (4, 4) [N m s/rad].
         alpha: number of the analysis [1/s].
 
     Returns:
@@ -198,7 +198,7 @@ def alpha_limits_323(
 
     Args:
         dq: joint speeds, shape (..., 4) [rad/s].
-        kp, ki: gains [N m/rad, N m/(rad s)].
+        kp, ki: gains, shape (4,) or (4, 4) [N m/rad, N m/(rad s)].
 
     Returns:
         What alpha must be above [1/s] and, shape (...), below [1/s^2 by its units].
@@ -235,7 +235,7 @@ def kd_bound_334(kp: ArrayLike, ki: ArrayLike, constants: Constants) -> float:
     Right as a formula; the constants that the thesis puts in are not those of its arm.
 
     Args:
-        kp, ki: gains [N m/rad, N m/(rad s)].
+        kp, ki: gains, shape (4,) or (4, 4) [N m/rad, N m/(rad s)].
 
     Returns:
         Bound on lambda_min(K_d) [N m s/rad].

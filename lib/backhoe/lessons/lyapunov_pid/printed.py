@@ -130,7 +130,8 @@ def kp_condition_312(kp: ArrayLike, ki: ArrayLike, constants: Constants) -> bool
     """The rewriting of (3.12), lambda_min(K_p) - lambda_max(K_i) > k_g: 1/alpha is lost.
 
     Args:
-        kp, ki: gains, shape (4,) or (4, 4) [N m/rad, N m/(rad s)]; the printed difference mixes their units.
+        kp, ki: gains, shape (4,) or (4, 4) [N m/rad, N m/(rad s)]; the printed difference mixes
+            their units.
 
     Raises:
         ValueError: a gain is not positive definite.

@@ -6,7 +6,7 @@
 - `friction`: Coulomb, smooth and linear laws
 - `linear_model`: the linear dynamic model, repaired
 - `slipping`: the plane model with friction at each wheel; `engine`: the same compiled
-- `wheel_drives`: proportional control or motors, `no_slip`: the models without slip
+- `wheel_control`: proportional, or motors with PIDs; `no_slip`: the models without slip
 - `runs`: many runs at once, with every model
 - `plant`: one vehicle, step by step, for trackers
 

@@ -93,7 +93,7 @@ def _slip(y, p, n, i):
 
 
 @njit
-def rate(y, drive, p, n, f):
+def rate(y, torque, p, n, f):
     """Fill f (10,) with the rates of the state y (10,) of vehicle n: `slipping.state_rate`."""
     c, s = cos(y[2]), sin(y[2])
     f[0], f[1], f[2] = c * y[3] - s * y[4], s * y[3] + c * y[4], y[5]
@@ -107,7 +107,7 @@ def rate(y, drive, p, n, f):
         force_y += fy
         moment += p.x[n, i] * fy - p.y[n, i] * fx
         lost = (p.damping[n, i] + p.load[n, i] * p.rolling[n] * p.radius[n] ** 2) * y[6 + i]
-        f[6 + i] = (drive[i] - lost - p.radius[n] * fx) / p.spin[n, i]
+        f[6 + i] = (torque[i] - lost - p.radius[n] * fx) / p.spin[n, i]
     f[3] = force_x / p.mass[n] + y[4] * y[5]
     f[4] = force_y / p.mass[n] - y[3] * y[5]
     f[5] = moment / p.inertia[n]
@@ -179,26 +179,26 @@ def _solve(y, c, s, diagonal, right, w, k):
 
 
 @njit
-def step(y, drive, p, n, h, tolerance, w):
+def step(y, torque, p, n, h, tolerance, w):
     """One RODAS3 step of h: the new state is left in w; returns the error over the tolerance."""
     f, right, new = w[_F:_RIGHT], w[_RIGHT:NEW], w[NEW:_K1]
     k1, k2, k3, k4 = w[_K1:_K2], w[_K2:_K3], w[_K3:_K4], w[_K4:ROOM]
     diagonal, c, s = 2 / h, cos(y[2]), sin(y[2])
     _factorise(y, diagonal, p, n, w)
-    rate(y, drive, p, n, f)
+    rate(y, torque, p, n, f)
     _solve(y, c, s, diagonal, f, w, k1)
     for j in range(10):
         right[j] = f[j] + 4 * k1[j] / h
     _solve(y, c, s, diagonal, right, w, k2)
     for j in range(10):
         new[j] = y[j] + 2 * k1[j]
-    rate(new, drive, p, n, f)
+    rate(new, torque, p, n, f)
     for j in range(10):
         right[j] = f[j] + (k1[j] - k2[j]) / h
     _solve(y, c, s, diagonal, right, w, k3)
     for j in range(10):
         new[j] += k3[j]
-    rate(new, drive, p, n, f)
+    rate(new, torque, p, n, f)
     for j in range(10):
         right[j] = f[j] + (k1[j] - k2[j] - 8 / 3 * k3[j]) / h
     _solve(y, c, s, diagonal, right, w, k4)
@@ -211,12 +211,12 @@ def step(y, drive, p, n, h, tolerance, w):
 
 
 @njit(cache=True, nogil=True)
-def advance(states, drive, p, dt, h, tolerance):
+def advance(states, torque, p, dt, h, tolerance):
     """Bring states forward by dt in place, each vehicle by steps of its own.
 
     Args:
         states: shape (n, 10), as in `slipping`.
-        drive: torques held over dt, less what the damping takes, shape (n, 4) [N m].
+        torque: torques held over dt, less what the damping takes, shape (n, 4) [N m].
         p: the vehicles, a `Fleet`.
         dt: time to go on [s].
         h: steps that the vehicles liked last, shape (n,) [s]; kept up to date.
@@ -227,7 +227,7 @@ def advance(states, drive, p, dt, h, tolerance):
         y, left = states[n], dt
         while left > 1e-12 * dt:
             length = min(h[n], left)
-            error = step(y, drive[n], p, n, length, tolerance, w)
+            error = step(y, torque[n], p, n, length, tolerance, w)
             change = 0.9 * error ** (-1 / 3) if error > 0 else _LONGEST
             if not error >= 0:
                 change = _SHORTEST

@@ -21,7 +21,7 @@ NODES, WEIGHTS = (x / 2 for x in np.polynomial.legendre.leggauss(4))
 """Gauss's rule over an interval from -1/2 to 1/2."""
 
 
-def drive(
+def states(
     command: NDArray, vehicles: Sequence[Vehicle], start: NDArray, dt: float, model: str
 ) -> NDArray:
     """States at the ends of the samples, from rest.

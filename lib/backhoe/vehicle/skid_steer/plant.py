@@ -15,7 +15,7 @@ from backhoe.vehicle.motor import Motor, WheelGains
 from backhoe.vehicle.skid_steer import no_slip
 from backhoe.vehicle.skid_steer.kinematics import half_track_of
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
-from backhoe.vehicle.skid_steer.wheel_drives import Drive, check_drive, wheel_drives
+from backhoe.vehicle.skid_steer.wheel_control import WheelControl, check_control, controlled_wheels
 
 
 class SkidSteerPlant:
@@ -52,10 +52,10 @@ class SkidSteerPlant:
     ) -> None:
         self.vehicle = instance(vehicle, "vehicle", Vehicle, "such as skid_steer.HUSKY")
         self.dt, self.model = positive(dt, "dt", "s"), model
-        drive = Drive(half_track, motor, gains, driven)
-        check_drive(model, drive)
+        control = WheelControl(half_track, motor, gains, driven)
+        check_control(model, control)
         if model == "slipping":
-            self._motion = _Slip(vehicle, self.dt, drive, positive(tolerance, "tolerance"))
+            self._motion = _Slip(vehicle, self.dt, control, positive(tolerance, "tolerance"))
         else:
             self._motion = _NoSlip(vehicle, self.dt, model)
         self._start = pose
@@ -134,10 +134,11 @@ class _NoSlip:
 class _Slip:
     """Friction at each wheel, with proportional wheel control or with motors."""
 
-    def __init__(self, vehicle: Vehicle, dt: float, drive: Drive, tolerance: float) -> None:
-        self.radius, self.c = vehicle.wheel_radius, half_track_of(vehicle, drive.half_track)
-        self.tolerance = tolerance
-        self.fresh_wheels = lambda: wheel_drives([vehicle], drive, dt)
+    def __init__(
+        self, vehicle: Vehicle, dt: float, control: WheelControl, tolerance: float
+    ) -> None:
+        self.radius, self.c = vehicle.wheel_radius, half_track_of(vehicle, control.half_track)
+        self.fresh_wheels = lambda: controlled_wheels([vehicle], control, dt, tolerance)
 
     def reset(self, x: float, y: float, theta: float) -> None:
         self.wheels = self.fresh_wheels()
@@ -148,4 +149,4 @@ class _Slip:
     def step(self, v: float, omega: float) -> None:
         turn = self.c * omega
         reference = np.array([[v - turn, v + turn] * 2]) / self.radius
-        self.wheels.advance(self.states, reference, self.tolerance)
+        self.wheels.advance(self.states, reference)

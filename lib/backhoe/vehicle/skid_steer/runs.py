@@ -22,7 +22,13 @@ from backhoe.vehicle.motor import Motor, WheelGains
 from backhoe.vehicle.skid_steer import no_slip
 from backhoe.vehicle.skid_steer.kinematics import wheel_speeds
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
-from backhoe.vehicle.skid_steer.wheel_drives import Drive, check_drive, wheel_drives
+from backhoe.vehicle.skid_steer.wheel_control import (
+    ProportionalWheels,
+    WheelControl,
+    WheelMotors,
+    check_control,
+    controlled_wheels,
+)
 
 _BLOCK = 32
 """Runs that one thread takes at a time: the engine lets go of Python's lock."""
@@ -93,8 +99,8 @@ def simulate(
         ValueError: commands of different shape or not finite; dt not positive; a model that there
             is not, or wheels asked of one that has none; vehicles or starts that do not fit.
     """
-    drive = Drive(half_track, motor, gains, driven)
-    check_drive(model, drive)
+    control = WheelControl(half_track, motor, gains, driven)
+    check_control(model, control)
     v_ref, omega_ref = numbers(v_ref, "v_ref"), numbers(omega_ref, "omega_ref")
     alike(v_ref=v_ref, omega_ref=omega_ref)
     if v_ref.ndim not in (1, 2) or not v_ref.size:
@@ -109,11 +115,12 @@ def simulate(
     log = np.zeros((runs, n // every + 1, 10 if motor is None else 14))
 
     def work(tile: slice) -> None:
-        block = commands[:, tile], vehicles[tile], first[tile]
+        u, fleet = commands[:, tile], vehicles[tile]
         if model == "slipping":
-            _slip(log[tile], *block, dt, every, tolerance, drive)
+            wheels = controlled_wheels(fleet, control, dt, tolerance)
+            _slip(log[tile], wheels, _references(u, fleet, half_track), first[tile], every)
         else:
-            log[tile] = no_slip.drive(*block, dt, model)[:, ::every]
+            log[tile] = no_slip.states(u, fleet, first[tile], dt, model)[:, ::every]
 
     for_each_tile(work, runs, _BLOCK)
     log = log[0] if v_ref.ndim == 1 else log
@@ -124,30 +131,28 @@ def simulate(
 
 def _slip(
     log: NDArray,
-    commands: NDArray,
-    vehicles: Sequence[Vehicle],
+    wheels: ProportionalWheels | WheelMotors,
+    reference: NDArray,
     first: NDArray,
-    dt: float,
     every: int,
-    tolerance: float,
-    drive: Drive,
 ) -> None:
     """Fill log (runs, n // every + 1, 10 or 14) with states, and with voltages if there are any."""
-    wheels = wheel_drives(vehicles, drive, dt)
-    reference = np.stack(
-        [
-            np.tile(wheel_speeds(u, p, half_track=drive.half_track), 2)
-            for u, p in zip(np.moveaxis(commands, 0, -1), vehicles, strict=True)
-        ]
-    )
-    states = np.zeros((len(vehicles), 10))
+    states = np.zeros((len(log), 10))
     states[:, :3] = log[:, 0, :3] = first
     for k in range(reference.shape[1]):
-        wheels.advance(states, reference[:, k], tolerance)
+        wheels.advance(states, reference[:, k])
         if (k + 1) % every == 0:
-            log[:, (k + 1) // every, :10] = states
-            if drive.motor is not None:
-                log[:, (k + 1) // every, 10:] = wheels.voltage
+            row = log[:, (k + 1) // every]
+            row[:, :10], row[:, 10:] = states, wheels.voltage
+
+
+def _references(
+    commands: NDArray, vehicles: Sequence[Vehicle], half_track: float | None
+) -> NDArray:
+    """Wheel speeds (runs, n, 4) that commands (2, runs, n) ask for, by (2.2)."""
+    pairs = zip(np.moveaxis(commands, 0, -1), vehicles, strict=True)
+    sides = np.stack([wheel_speeds(u, p, half_track=half_track) for u, p in pairs])
+    return np.tile(sides, 2)
 
 
 def _one_a_run(vehicle: Vehicle | Sequence[Vehicle], runs: int) -> list[Vehicle]:

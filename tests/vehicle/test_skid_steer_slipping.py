@@ -163,7 +163,7 @@ def test_the_rule_is_of_third_order(rng):
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_the_error_follows_the_tolerance(tolerance, rng):
-    """RODAS3 is written once, compiled: LSODA on the plain equations judges it, to its tolerance."""
+    """RODAS3 is written once, compiled: LSODA on the plain equations judges it."""
     start, drive = moving(rng), 5 * rng.normal(size=4)
     exact = reference(start, drive, 0.5, UNEVEN, damping=8.0, rotor_inertia=0.2)
     found = advanced(start, drive, 0.5, UNEVEN, damping=8.0, rotor_inertia=0.2, tolerance=tolerance)

@@ -86,8 +86,7 @@ def semi_implicit_euler(
     Args:
         acceleration: function of t, q and dq that gives ddq.
         x0: state (q, dq) at time 0, shape (2 n,).
-        dt: step [s].
-        steps: number of steps.
+        dt, steps: as for `euler`.
 
     Returns:
         Times and states (q, dq).
@@ -123,10 +122,7 @@ def trapezoid(
     Source: Mastalli 2013, section 2.3.1, "integración trapezoidal".
 
     Args:
-        f: rate of the state, f(t, x) of the shape of x.
-        x0: state at time 0, shape (n,).
-        dt: step [s].
-        steps: number of steps.
+        f, x0, dt, steps: as for `euler`.
         tolerance: largest change in the last repetition, relative to 1 plus the component.
         max_iterations: repetitions before giving up.
 
@@ -155,20 +151,7 @@ def trapezoid(
 
 
 def rk4(f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:
-    """The classical Runge-Kutta rule of fourth order.
-
-    Args:
-        f: rate of the state, f(t, x) of the shape of x.
-        x0: state at time 0, shape (n,).
-        dt: step [s].
-        steps: number of steps.
-
-    Returns:
-        Times and states.
-
-    Raises:
-        ValueError, FloatingPointError: as for `euler`.
-    """
+    """The classical Runge-Kutta rule of fourth order; arguments and errors as for `euler`."""
 
     def step(t: float, x: NDArray) -> NDArray:
         k1 = np.asarray(f(t, x))

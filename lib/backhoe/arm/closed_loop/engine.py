@@ -65,8 +65,7 @@ def run(loop, runs, log, measures):
     Returns:
         Samples that each run took: m, or fewer if it diverged, shape (n,).
     """
-    arm, model, law, joints, reference, settling, sampling = loop
-    friction, limit, lower, upper = joints
+    arm, model, law, friction, limit, lower, upper, reference, settling, sampling = loop
     dt, hold, measured, filter_time, largest_error, largest_speed = sampling
     samples = reference.shape[1]
     lanes = len(runs)
@@ -181,11 +180,11 @@ def _saturate(S, limits, dt, lanes):
         limit = limits[k]
         for j in range(lanes):
             wanted, error = S[(WANTED + k) * LANES + j], S[(LAST + k) * LANES + j]
-            given = min(max(wanted, -limit), limit)
-            goes_on = (given == wanted) | (wanted * error <= 0)
+            torque = min(max(wanted, -limit), limit)
+            goes_on = (torque == wanted) | (wanted * error <= 0)
             old = S[(INTEGRAL + k) * LANES + j]
             S[(INTEGRAL + k) * LANES + j] = old + error * dt if goes_on else old
-            S[(TAU + k) * LANES + j] = given
+            S[(TAU + k) * LANES + j] = torque
 
 
 @call
@@ -194,19 +193,19 @@ def _measure(S, M, q_ref, lower, upper, applied, lanes):
     for k in range(4):
         least, most, reference = lower[k], upper[k], q_ref[k]
         for j in range(lanes):
-            q, given = S[(Q + k) * LANES + j], S[(TAU + k) * LANES + j]
-            error, torque = reference - q, abs(given)
+            q, torque = S[(Q + k) * LANES + j], S[(TAU + k) * LANES + j]
+            error = reference - q
             outside = max(least - q, q - most)
-            limited = weight if given != S[(WANTED + k) * LANES + j] else 0.0
+            limited = weight if torque != S[(WANTED + k) * LANES + j] else 0.0
             M[(4 * ERRORS + k) * LANES + j] += error * error
             M[(4 * PEAK_ERRORS + k) * LANES + j] = max(
                 M[(4 * PEAK_ERRORS + k) * LANES + j], abs(error)
             )
             M[(4 * LAST_ERRORS + k) * LANES + j] = error
             M[(4 * PEAK_TORQUES + k) * LANES + j] = max(
-                M[(4 * PEAK_TORQUES + k) * LANES + j], torque
+                M[(4 * PEAK_TORQUES + k) * LANES + j], abs(torque)
             )
-            M[(4 * EFFORTS + k) * LANES + j] += weight * (given * given)
+            M[(4 * EFFORTS + k) * LANES + j] += weight * (torque * torque)
             M[(4 * SATURATED + k) * LANES + j] += limited
             M[(4 * OVERRUNS + k) * LANES + j] = max(M[(4 * OVERRUNS + k) * LANES + j], outside)
 

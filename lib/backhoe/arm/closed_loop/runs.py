@@ -25,16 +25,6 @@ LARGEST_SPEED = 50.0
 """A run with a joint as fast as this has diverged [rad/s]."""
 
 
-class Joints(NamedTuple):
-    """Of the four joints: viscous [N m s/rad] and Coulomb `friction` [N m], shape (2, 4); torque
-    `limit` [N m], `lower` and `upper` end of the range [rad], shape (4,) each."""
-
-    friction: NDArray
-    limit: NDArray
-    lower: NDArray
-    upper: NDArray
-
-
 class Sampling(NamedTuple):
     """`dt` [s], samples between two readings of the joints, whether the derivative is of measured
     speeds, `filter_time` of differences [s], and from what error [rad] and speed [rad/s] on a run
@@ -49,14 +39,21 @@ class Sampling(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """What all runs share: the `arm` without payload and the `model` that the law believes in, the
-    index of the `law`, `reference` q, dq, ddq (3, m, 4) [rad, rad/s, rad/s^2], and the rates
-    `settling` (m, 4) [1/s] at which Coulomb friction settles a slow speed there."""
+    """What all runs share.
+
+    The `arm` without payload, the law's `model` of it and the `law`'s index; viscous [N m s/rad]
+    and Coulomb `friction` [N m], shape (2, 4); torque `limit` [N m], `lower` and `upper` end of the
+    range [rad], shape (4,) each; `reference` q, dq, ddq, shape (3, m, 4) [rad, rad/s, rad/s^2], and
+    the rates `settling` a slow speed there, shape (m, 4) [1/s].
+    """
 
     arm: Arm
     model: Arm
     law: int
-    joints: Joints
+    friction: NDArray
+    limit: NDArray
+    lower: NDArray
+    upper: NDArray
     reference: NDArray
     settling: NDArray
     sampling: Sampling
@@ -97,7 +94,7 @@ def simulate(
         movement: the reference; its dt is the sampling time.
         threads: 1 for the caller's alone; None for one on each core.
         machine: the arm that moves, its bucket empty; `BACKHOE` unless told.
-        model: the arm that the law believes in; `machine` unless told.
+        model: the law's model of the arm; `machine` unless told.
         law: one of `LAWS`, "pid" unless told.
         friction: whether the joints have friction, True unless told.
         torque_limit: largest torques, shape (4,) [N m]; None, as unless told, for no limit.
@@ -169,10 +166,6 @@ def _blocks(count: int, most: int, threads: int) -> list[slice]:
 
 def _loop(task: Task) -> Loop:
     machine, movement = task.machine, task.movement
-    arm, model = (Arm(*map(float, arm_of(m))) for m in (machine, task.model))
-    limits = (np.array(limit) for limit in (task.torque_limit, machine.lower, machine.upper))
-    friction = task.friction * np.stack([machine.viscous, machine.coulomb])
-    reference = np.stack([movement.q, movement.dq, movement.ddq])
     sampling = Sampling(
         movement.dt,
         task.state_every,
@@ -181,9 +174,15 @@ def _loop(task: Task) -> Loop:
         LARGEST_ERROR,
         LARGEST_SPEED,
     )
-    law = LAWS.index(task.law)
-    joints = Joints(friction, *limits)
-    return Loop(arm, model, law, joints, reference, task.settling_rates, sampling)
+    return Loop(
+        *(Arm(*map(float, arm_of(m))) for m in (machine, task.model)),
+        LAWS.index(task.law),
+        task.friction * np.stack([machine.viscous, machine.coulomb]),
+        *(np.array(limit) for limit in (task.torque_limit, machine.lower, machine.upper)),
+        np.stack([movement.q, movement.dq, movement.ddq]),
+        task.settling_rates,
+        sampling,
+    )
 
 
 def _batch(task: Task, measures: NDArray, taken: NDArray, logs: dict[int, NDArray]) -> Batch:

@@ -16,7 +16,6 @@ from backhoe.arm.lyapunov.candidate import (
     function,
 )
 from backhoe.arm.lyapunov.certificate import Certificate, Condition, check_gains
-from backhoe.arm.lyapunov.conditions import matrix_condition
 from backhoe.arm.lyapunov.extremes import (
     Constants,
     Profile,
@@ -48,7 +47,6 @@ __all__ = [
     "effective_inertia",
     "function",
     "gravity_slope",
-    "matrix_condition",
     "profile",
     "sampled_radius",
     "tune",

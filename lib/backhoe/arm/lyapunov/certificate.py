@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from backhoe.arm.lyapunov import extremes
-from backhoe.arm.lyapunov.conditions import lowest, matrix_condition, route_named
+from backhoe.arm.lyapunov.conditions import least, lowest, route_named
 from backhoe.arm.lyapunov.extremes import Constants
 from backhoe.arm.lyapunov.gains import gain_matrices
 from backhoe.arm.pid import Gains
@@ -205,11 +205,10 @@ def _damping(route: str, gains: Gains, c: Constants, low: float) -> Condition:
 
 
 def _margin(gains: Gains, c: Constants, alpha: float) -> float:
+    """Smallest eigenvalue of K_d - alpha M(q), positive exactly where V's quadratic form is."""
     if not np.isfinite(alpha):
         return -np.inf
-    if c.domain == "postures":
-        return float(matrix_condition(gains.kd, alpha, c.q, machine=c.machine).min())
-    return matrix_condition(gains.kd, alpha, domain=c.domain, machine=c.machine)
+    return alpha * least(gains.kd / alpha, c.over, c.machine)
 
 
 def _condition(

@@ -17,64 +17,47 @@ Source: Mastalli 2013, (3.11) to (3.13), (3.17), (3.21) to (3.24); matrix and ex
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from backhoe.arm.dynamics import mass_matrix, mass_matrix_derivative
 from backhoe.arm.lyapunov.extremes import Constants, gravity_slope
-from backhoe.arm.lyapunov.gains import gain_matrix
-from backhoe.arm.lyapunov.suprema import Domain, domain_of, heaviest, largest_norm, supremum
+from backhoe.arm.lyapunov.suprema import Domain, heaviest, largest_norm, supremum
 from backhoe.arm.pid import Gains
-from backhoe.basics.inputs import choice, positive
-from backhoe.machine import BACKHOE, Machine
-
-
-class Route(Protocol):
-    """One way of judging gains as matrices; infinite alpha_low or zero alpha_high: nothing left."""
-
-    def stiffness(self, gains: Gains, c: Constants) -> float:
-        """Smallest stiffness that is left beside gravity, must be positive [N m/rad]."""
-
-    def alpha_low(self, gains: Gains, c: Constants) -> float:
-        """alpha must be above this [1/s]."""
-
-    def alpha_positive(self, gains: Gains, c: Constants) -> float:
-        """V > 0: alpha must be below this [1/s]."""
-
-    def alpha_decay(self, gains: Gains, c: Constants, radius: float) -> float:
-        """dV/dt <= 0 for errors up to `radius` [rad]: alpha must be below this [1/s]."""
-
-    def region(self, gains: Gains, c: Constants, alpha: float) -> float:
-        """Largest ||q~|| with dV/dt <= 0, 0 if none [rad]."""
+from backhoe.basics.inputs import choice
+from backhoe.machine import Machine
 
 
 class Scalar:
-    """The thesis's route, with the smallest and the largest eigenvalue of every matrix."""
+    """The thesis's route, with the smallest and the largest eigenvalue of every matrix.
+
+    Gains come as matrices; an infinite alpha_low or a zero alpha_high says that nothing is left.
+    """
 
     def stiffness(self, gains: Gains, c: Constants) -> float:
+        """Smallest stiffness that is left beside gravity, must be positive [N m/rad]."""
         return lowest(gains.kp) - c.kg
 
     def alpha_low(self, gains: Gains, c: Constants) -> float:
+        """alpha must be above this [1/s]."""
         left = self.stiffness(gains, c)
         return highest(gains.ki) / left if left > 0 else np.inf
 
     def alpha_positive(self, gains: Gains, c: Constants) -> float:
+        """V > 0: alpha must be below this [1/s]."""
         return lowest(gains.kd) / c.ratio
 
     def alpha_decay(self, gains: Gains, c: Constants, radius: float) -> float:
+        """dV/dt <= 0 for errors up to `radius` [rad]: alpha must be below this [1/s]."""
         return lowest(gains.kd) / (c.lambda_max + c.kc1 * radius)
 
     def region(self, gains: Gains, c: Constants, alpha: float) -> float:
+        """Largest ||q~|| with dV/dt <= 0, 0 if none [rad]."""
         return max(0.0, (lowest(gains.kd) / alpha - c.lambda_max) / c.kc1)
 
 
-class Matrix:
+class Matrix(Scalar):
     """Gains and M as matrices; gravity and Coriolis by k_g and k_C1."""
-
-    def stiffness(self, gains: Gains, c: Constants) -> float:
-        return lowest(gains.kp) - c.kg
 
     def alpha_low(self, gains: Gains, c: Constants) -> float:
         left = gains.kp - c.kg * np.eye(4)
@@ -134,46 +117,16 @@ class Exact(Matrix):
         return 1 / largest_norm(relative, c.over).value
 
 
-_ROUTES: dict[str, Route] = {"scalar": Scalar(), "matrix": Matrix(), "exact": Exact()}
+_ROUTES = {"scalar": Scalar(), "matrix": Matrix(), "exact": Exact()}
 
 
-def route_named(name: str) -> Route:
+def route_named(name: str) -> Scalar:
     """The route of that name.
 
     Raises:
         ValueError: there is none.
     """
     return _ROUTES[choice(name, "route", _ROUTES)]
-
-
-def matrix_condition(
-    kd: ArrayLike,
-    alpha: float,
-    q: ArrayLike | None = None,
-    *,
-    domain: str = "box",
-    machine: Machine = BACKHOE,
-) -> NDArray | float:
-    """How far K_d is above alpha M(q): positive exactly where V's quadratic form is.
-
-    [alpha K_d, -alpha M; -alpha M, M] > 0 exactly when K_d - alpha M > 0, its Schur complement.
-
-    Args:
-        kd: gain, (4,) or symmetric (4, 4) [N m s/rad].
-        alpha: number of the analysis [1/s].
-        q: postures, shape (..., 4) [rad]; None for the smallest value over a whole domain.
-        domain: "box" or "torus", when q is None.
-
-    Returns:
-        Smallest eigenvalue of K_d - alpha M(q), shape (...), or one number [N m s/rad].
-
-    Raises:
-        ValueError: K_d is not positive definite, alpha not positive, q not (..., 4).
-    """
-    Kd, alpha = gain_matrix(kd, "K_d"), positive(alpha, "alpha", "1/s")
-    if q is not None:
-        return np.linalg.eigvalsh(Kd - alpha * mass_matrix(q, machine))[..., 0]
-    return alpha * least(Kd / alpha, domain_of(None, domain, machine), machine)
 
 
 def damping_per_alpha(weights: NDArray, radius: float, domain: Domain, machine: Machine) -> float:

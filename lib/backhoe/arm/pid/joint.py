@@ -92,8 +92,8 @@ class PID:
         for joint, (kp, ki, kd, limit, error, rate) in enumerate(columns):
             integral = self.integral[joint] + error * dt
             wanted = kp * error + ki * integral + kd * rate
-            given = min(max(wanted, -limit), limit)
-            if given == wanted or wanted * error <= 0:
+            applied = min(max(wanted, -limit), limit)
+            if applied == wanted or wanted * error <= 0:
                 self.integral[joint] = integral
-            torque.append(given)
+            torque.append(applied)
         return np.array(torque)

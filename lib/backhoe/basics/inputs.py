@@ -49,7 +49,7 @@ def real_numbers(values: ArrayLike, name: str, meaning: str = "numbers") -> NDAr
     """`values` as an array of floats, finite or not, not copied when it is one already.
 
     Args:
-        values: real numbers in any nesting of sequences, any shape and unit.
+        values: real numbers in any nesting of sequences, any shape, any unit.
         name: what the error calls them.
         meaning: what the error says that they must be.
 
@@ -352,8 +352,3 @@ def _wanted(shape: tuple, meaning: str) -> str:
     sizes = ", ".join("..." if size is ... else str(size) for size in shape)
     what = f"be {meaning}, " if meaning else "have "
     return f"{what}shape ({sizes}{',' if len(shape) == 1 else ''})"
-
-
-def real_array(values: ArrayLike, complaint: str) -> NDArray:
-    """Old form of `real_numbers`: goes with its last caller."""
-    return real_numbers(values, *complaint.split(" must be ", 1))

@@ -548,6 +548,10 @@ def test_constants_that_are_none_are_refused():
         TypeError, match=r"got float: give what lyapunov\.constants\(\.\.\.\) returns"
     ):
         lyapunov.check_gains(PRINTINGS["eq_333"], constants=24068.0)
+    with pytest.raises(TypeError, match="constants must be a Constants"):
+        lyapunov.attraction(GOAL, PRINTINGS["eq_333"], constants=24068.0)
+    with pytest.raises(TypeError, match="constants must be a Constants"):
+        lyapunov.tune(constants=24068.0)
 
 
 def test_postures_that_are_none_are_refused():

@@ -16,7 +16,7 @@ from backhoe.basics.inputs import alike, choice, indices, instance, not_negative
 from backhoe.machine import BACKHOE, JOINTS, Machine, variants
 
 LAWS = ("pid", "pid+gravity", "computed_torque")
-RATES = ("difference", "measured")
+_RATES = ("difference", "measured")
 
 COULOMB_SMOOTHING = 0.01
 """Speed below which Coulomb friction passes smoothly through zero [rad/s], as in `simulation`."""
@@ -53,7 +53,7 @@ class Task:
     def __post_init__(self) -> None:
         movement = instance(self.movement, "movement", Movement)
         choice(self.law, "law", LAWS)
-        choice(self.rate, "rate", RATES)
+        choice(self.rate, "rate", _RATES)
         gains = _gains(self.gains)
         count = len(gains.kp)
         self._keep(

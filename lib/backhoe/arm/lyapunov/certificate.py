@@ -15,12 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from backhoe.arm.lyapunov import extremes
 from backhoe.arm.lyapunov.conditions import least, lowest, route_named
-from backhoe.arm.lyapunov.extremes import Constants
+from backhoe.arm.lyapunov.extremes import Constants, constants_of
 from backhoe.arm.lyapunov.gains import gain_matrices
 from backhoe.arm.pid import Gains
-from backhoe.basics.inputs import instance, positive
+from backhoe.basics.inputs import positive
 
 _NAMES = {
     "scalar": (
@@ -163,8 +162,7 @@ def check_gains(
     """
     gains = gain_matrices(gains)
     judge = route_named(route)
-    c = extremes.constants() if constants is None else constants
-    instance(c, "constants", Constants, "give what lyapunov.constants(...) returns")
+    c = constants_of(constants)
     radius = 0.0 if error is None else positive(error, "error", "rad")
     chosen = None if alpha is None else positive(alpha, "alpha", "1/s")
     low = judge.alpha_low(gains, c)

@@ -26,7 +26,7 @@ from backhoe.arm.dynamics.terms import Arm, Vectors
 from backhoe.arm.kinematics import joint_vector
 from backhoe.arm.lyapunov.bilinear import bilinear_norm
 from backhoe.arm.lyapunov.suprema import Domain, domain_of, largest_norm, supremum
-from backhoe.basics.inputs import choice
+from backhoe.basics.inputs import choice, instance
 from backhoe.basics.tiles import for_each_tile
 from backhoe.machine import BACKHOE, Machine
 
@@ -126,6 +126,17 @@ def constants(
         recipe="printed",
         where=MappingProxyType(where),
     )
+
+
+def constants_of(given: Constants | None) -> Constants:
+    """The constants that a caller means: `given`, or the tight ones of the joint box.
+
+    Raises:
+        TypeError: they are no Constants.
+    """
+    if given is None:
+        return constants()
+    return instance(given, "constants", Constants, "give what lyapunov.constants(...) returns")
 
 
 def profile(q: ArrayLike, *, machine: Machine = BACKHOE) -> Profile:

@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.dynamics import mass_matrix
-from backhoe.arm.lyapunov import extremes
 from backhoe.arm.lyapunov.candidate import State, function
 from backhoe.arm.lyapunov.certificate import Certificate, check_gains
 from backhoe.arm.lyapunov.conditions import highest, least, route_named
-from backhoe.arm.lyapunov.extremes import Constants
+from backhoe.arm.lyapunov.extremes import Constants, constants_of
 from backhoe.arm.lyapunov.gains import gain_matrices
 from backhoe.arm.pid import Gains
 from backhoe.basics.inputs import not_negative, numbers
@@ -133,7 +132,7 @@ def attraction(
             the constants are those of single postures; a gain or the goal is malformed.
     """
     goal = numbers(goal, "goal", (4,), meaning=f"one angle a joint ({', '.join(JOINTS)})")
-    c = extremes.constants() if constants is None else constants
+    c = constants_of(constants)
     room = _room(goal, c)
     certificate = check_gains(gains, constants=c, route=route, alpha=alpha).require()
     gains = gain_matrices(gains)

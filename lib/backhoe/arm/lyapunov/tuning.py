@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.dynamics import mass_matrix, mass_matrix_derivative
-from backhoe.arm.lyapunov import extremes
 from backhoe.arm.lyapunov.certificate import Certificate, check_gains
 from backhoe.arm.lyapunov.conditions import damping_per_alpha, route_named
-from backhoe.arm.lyapunov.extremes import Constants
+from backhoe.arm.lyapunov.extremes import Constants, constants_of
 from backhoe.arm.lyapunov.gains import gain_matrix
 from backhoe.arm.lyapunov.sampled_loop import effective_inertia, sampled_radius
 from backhoe.arm.lyapunov.suprema import supremum
@@ -123,7 +122,7 @@ def tune(
         ValueError: a gain is not positive, K_p does not outweigh gravity, or another argument is
             out of its range.
     """
-    c = extremes.constants() if constants is None else constants
+    c = constants_of(constants)
     judge = route_named(route)
     error, dt = positive(error, "error", "rad"), positive(dt, "dt", "s")
     damping, margin = positive(damping, "damping"), number(margin, "margin", above=1.0)

@@ -107,8 +107,10 @@ class ParticleFilter(Filter):
         return (away.T * self.weights) @ away
 
     def predict(self, u: ArrayLike, dt: float) -> None:
-        """Move each particle on by dt, with its own draw of the noise; arguments and errors as for
-        `ExtendedKalmanFilter`."""
+        """Move each particle on by dt, with its own draw of the noise.
+
+        Arguments and errors as for `ExtendedKalmanFilter`.
+        """
         dt, old, Q = duration(dt), self.particles, self._Q
         if callable(Q):
             Q = covariance(Q(old, u, dt), "Q(x, u, dt)", self._n, runs=len(old))

@@ -84,7 +84,7 @@ class Robot:
         return numbers(velocity, "velocity", (..., 3), meaning=meaning) @ self.rolling.T
 
     def unexplained(self, u: ArrayLike) -> NDArray:
-        """The part of wheel speeds that no motion without slip explains, (..., n) [rad/s].
+        """The part of wheel speeds that no motion without slip explains, shape (..., n) [rad/s].
 
         0 for any speeds of two tracks or three wheels; four wheels have one such part, which tells
         of slip.

@@ -11,6 +11,7 @@ from math import cos, radians, sin
 
 from numpy.typing import NDArray
 
+from backhoe.basics import inputs
 from backhoe.machine import BACKHOE
 
 
@@ -118,7 +119,7 @@ def hand_made_plan(cycle: int) -> list[WayPoint]:
     Returns:
         The way-points, from above the heap to the empty bucket over the truck.
     """
-    direction, lower = STRIPS[cycle % len(STRIPS)]
+    direction, lower = STRIPS[inputs.whole(cycle, "cycle", least=0) % len(STRIPS)]
     cosine, sine = cos(radians(direction)), sin(radians(direction))
     waypoints = []
     for name, seconds, reach, height, bucket in STROKE:
@@ -143,6 +144,9 @@ def smooth_trajectory(times: NDArray, q_way: NDArray, t: NDArray) -> tuple[NDArr
     """
     from scipy.interpolate import PchipInterpolator
 
+    times = inputs.times(times, "times")
+    q_way = inputs.numbers(q_way, "q_way", (len(times), 4), meaning="joint angles at each time")
+    t = inputs.numbers(t, "t", ("m",))
     path = PchipInterpolator(times, q_way, axis=0)
     return path(t), path.derivative()(t)
 

@@ -3,46 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from math import ceil, inf
-from numbers import Real
-from typing import TYPE_CHECKING
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe import simulation
 from backhoe.arm import dynamics, kinematics, pid
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import numbers, positive, whole
 from backhoe.machine import BACKHOE, JOINTS, Machine
-from backhoe.mission.asking import asked, checked_part, numbers
+from backhoe.mission.calls import call_part, given_parts, reset
 from backhoe.mission.parts import PARTS, WayPoint, hand_made_plan, smooth_trajectory
-
-if TYPE_CHECKING:
-    from backhoe.view.replay import Recorder, Replay
+from backhoe.mission.records import Record, recorder_of
 
 LOG_EVERY = 10
 
-_WANTED_PLAN = f"plan must return a list of WayPoint. It is {PARTS['plan'].call}"
+_WANTED_PLAN = f"your plan must return a list of WayPoint. It is {PARTS['plan'].call}"
 
 
-@dataclass
-class Run:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Run(Record):
     """What happened: the log at 100 Hz, the way-points, and what became of the soil.
 
     `time` (n,) [s]; `q`, `q_ref` (n, 4) [rad]; `torque` (n, 4) [N m]; `bucket_volume`,
     `truck_volume` (n,) [m^3]; `in_the_air` (n,) whether the bucket is empty and touches no soil;
     `reached` (k, 4) against `wanted` (k, 4), stick's tip [m] and bucket
     angle [rad] at each way-point; `soil_lost` is the largest change of the sum of all soil [m^3];
-    `swapped` names the student's parts; `machine`, `scene` and `backend` are those of its world.
+    `scene` is that of its world.
     """
 
-    swapped: tuple[str, ...]
     cycles: int
-    machine: Machine
     scene: simulation.Scene
-    backend: str
     waypoints: tuple[WayPoint, ...]
     time: NDArray
     q: NDArray
@@ -54,52 +47,22 @@ class Run:
     soil_lost: float
     wanted: NDArray
     reached: NDArray
-    recorder: Recorder | None = field(default=None, repr=False)
-
-    def replay(
-        self,
-        title: str = "Dig and load",
-        alt: str = "3D replay of the backhoe digging and loading a truck",
-    ) -> Replay:
-        """The run as a 3D replay for the notebook.
-
-        Args:
-            title: what stands above it.
-            alt: what it shows, for readers who do not see it.
-
-        Raises:
-            ValueError: the run was not recorded, or title or alt is empty.
-        """
-        if self.recorder is None:
-            raise ValueError("this run was not recorded: call mission.run(record=True)")
-        return self.recorder.replay(title=title, alt=alt)
-
-
-def _checked(name: str, part: Callable) -> Callable:
-    def call(*arguments: object) -> NDArray:
-        return numbers(name, f"your {name}", asked(name, part, *arguments), (4,))
-
-    return call
+    SHOWN = ("mission.run", "Dig and load", "3D replay of the backhoe digging and loading a truck")
 
 
 def _plan(plan: Callable, cycles: int) -> list[WayPoint]:
     waypoints = []
     for cycle in range(cycles):
-        of_cycle = asked("plan", plan, cycle)
+        of_cycle = call_part("plan", plan, cycle)
         if not isinstance(of_cycle, Iterable):
             raise ValueError(f"{_WANTED_PLAN}, got {of_cycle!r}")
         waypoints += of_cycle
     if not waypoints or not all(isinstance(waypoint, WayPoint) for waypoint in waypoints):
         raise ValueError(_WANTED_PLAN)
-    for name, seconds, target in ((point.name, point.time, point.target) for point in waypoints):
-        if not (isinstance(seconds, Real) and 0 < seconds < inf):
-            raise ValueError(f"way-point {name!r} needs a time above 0 s, got {seconds!r}")
-        wanted = real_array(target, f"the target of way-point {name!r} must be numbers")
-        if wanted.shape != (4,) or not np.isfinite(wanted).all():
-            raise ValueError(
-                f"the target of way-point {name!r} must be x, y, z and the bucket's angle, all "
-                f"finite, got {target!r}"
-            )
+    for point in waypoints:
+        positive(point.time, f"the time of way-point {point.name!r}", "s")
+        meaning = "x, y, z and the bucket's angle"
+        numbers(point.target, f"the target of way-point {point.name!r}", (4,), meaning=meaning)
     return waypoints
 
 
@@ -162,27 +125,23 @@ def run(
             that are not finite, a way-point that a joint cannot reach in its time.
         TypeError: a part of an unknown name, or one that cannot be called.
     """
-    if unknown:
-        raise TypeError(f"unknown part {next(iter(unknown))!r}: the parts are {', '.join(PARTS)}")
-    if isinstance(cycles, bool) or not isinstance(cycles, int) or cycles < 1:
-        raise ValueError(f"cycles must be a whole number, 1 or more, got {cycles!r}")
-    offered = {
-        "plan": plan,
-        "inverse_kinematics": inverse_kinematics,
-        "gravity_torque": gravity_torque,
-        "controller": controller,
-        "trajectory": trajectory,
-    }
-    given = {name: part for name, part in offered.items() if part is not None}
-    for name, part in given.items():
-        checked_part(name, part)
+    given = given_parts(
+        PARTS,
+        unknown,
+        plan=plan,
+        inverse_kinematics=inverse_kinematics,
+        gravity_torque=gravity_torque,
+        controller=controller,
+        trajectory=trajectory,
+    )
+    cycles = whole(cycles, "cycles", least=1)
     if world is not None:
-        return _drive(world, cycles, given, record)
+        return _load(world, cycles, given, record)
     with simulation.open_world(machine, backend=backend) as opened:
-        return _drive(opened, cycles, given, record)
+        return _load(opened, cycles, given, record)
 
 
-def _drive(
+def _load(
     world: simulation.Simulation, cycles: int, given: dict[str, Callable], record: bool
 ) -> Run:
     if world.ground is None:
@@ -194,10 +153,11 @@ def _drive(
     q_way = np.array([world.q.copy(), *_postures(waypoints, inverse)])
     times = np.cumsum([0.0, *(waypoint.time for waypoint in waypoints)])
     t = np.arange(round(times[-1] / dt) + 1) * dt
-    q_ref, dq_ref = _reference(given.get("trajectory", smooth_trajectory), times, q_way, t)
+    trajectory = given.get("trajectory", smooth_trajectory)
+    q_ref, dq_ref = call_part("trajectory", trajectory, times, q_way, t, shape=(2, len(t), 4))
     _within_speed(waypoints, times, t, dq_ref, machine)
 
-    recorder = _recorder(world) if record else None
+    recorder = recorder_of(world) if record else None
     departures = {round(time / dt): index for index, time in enumerate(times[:-1])}
     arrivals = {round(time / dt): index for index, time in enumerate(times[1:])}
     reached = np.zeros_like(wanted)
@@ -245,26 +205,8 @@ def _followers(given: dict[str, Callable], machine: Machine) -> list[Callable]:
         "controller": pid.PID(*pid.ARM_GAINS, machine.torque_limit),
     }
     for part in given.values():
-        if callable(getattr(part, "reset", None)):
-            part.reset()
-    return [_checked(name, given[name]) if name in given else own[name] for name in own]
-
-
-def _reference(
-    trajectory: Callable, times: NDArray, q_way: NDArray, t: NDArray
-) -> tuple[NDArray, NDArray]:
-    pair = asked("trajectory", trajectory, times, q_way, t)
-    if not (isinstance(pair, tuple | list) and len(pair) == 2):
-        call = PARTS["trajectory"].call
-        raise ValueError(f"your trajectory must return two arrays. It is {call}")
-    angles, speeds = (
-        numbers("trajectory", f"your trajectory ({name})", value, (len(t), 4))
-        for name, value in zip(("angles", "speeds"), pair, strict=True)
-    )
-    return angles, speeds
-
-
-def _recorder(world: simulation.Simulation) -> Recorder:
-    from backhoe.view import replay
-
-    return replay.Recorder(world)
+        reset(part)
+    return [
+        partial(call_part, name, given[name], shape=(4,)) if name in given else own[name]
+        for name in own
+    ]

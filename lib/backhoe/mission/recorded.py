@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from backhoe.localisation.drives.recording import NOISE, SEED, Noise, Recording, sense
 from backhoe.localisation.drives.scenarios import Truth
-from backhoe.mission.route import default_route
+from backhoe.mission.driving import Watched, drive
 from backhoe.simulation.tracked_plant import TrackedPlant
-from backhoe.vehicle.tracking import Path, PurePursuit, follow
+from backhoe.vehicle.tracking import Path
 
 STANDING = 3.0
 """Before it sets off, as in the other drives [s]."""
@@ -38,20 +38,23 @@ def drive_the_machine(
     Raises:
         ValueError: a path without times, or an unknown backend.
     """
-    path = default_route() if path is None else path
     with TrackedPlant(backend=backend) as plant:
-        watched = _Watched(plant)
+        watched = Watched(plant, _row)
         for _ in range(round(STANDING / plant.dt)):
             watched.step(0.0, 0.0)
-        tracker = PurePursuit(lookahead=0.6)
-        follow(tracker, watched, path, mode="trajectory", time_limit=time_limit)
+        drive(plant=watched, path=path, mode="trajectory", time_limit=time_limit)
         machine = plant.machine
-    rows = np.array(watched.rows)
+    rows = np.array(watched.seen)
     belts = rows[:, 6:8] / machine.tracks.sprocket_radius
     motion = _motion(rows)
     return sense(
         "the machine on its tracks", motion, tuple(belts.T), np.nan, None, seed, noise, machine
     )
+
+
+def _row(plant: TrackedPlant) -> tuple[float, ...]:
+    """Time, pose, twist, belts and lateral speed [s, m, rad, m/s, rad/s]."""
+    return plant.time, *plant.pose, *plant.twist, *plant.belts, plant.lateral_speed
 
 
 def _motion(rows: NDArray) -> Truth:
@@ -60,31 +63,3 @@ def _motion(rows: NDArray) -> Truth:
     ahead = np.gradient(v, dt) - omega * lateral
     aside = np.gradient(lateral, dt) + omega * v
     return Truth(time, pose, v, omega, np.column_stack([ahead, aside]))
-
-
-class _Watched:
-    """The plant with a row kept of each sample: time, pose, twist, belts, lateral speed."""
-
-    def __init__(self, plant: object) -> None:
-        self._plant, self.dt, self.limits = plant, plant.dt, plant.limits
-        self.rows = [self._row()]
-
-    @property
-    def pose(self) -> NDArray:
-        return self._plant.pose
-
-    @property
-    def twist(self) -> NDArray:
-        return self._plant.twist
-
-    @property
-    def time(self) -> float:
-        return self._plant.time
-
-    def step(self, v: float, omega: float) -> None:
-        self._plant.step(v, omega)
-        self.rows.append(self._row())
-
-    def _row(self) -> list[float]:
-        plant = self._plant
-        return [plant.time, *plant.pose, *plant.twist, *plant.belts, plant.lateral_speed]

@@ -9,8 +9,10 @@ from functools import lru_cache
 import numpy as np
 
 from backhoe import simulation
+from backhoe.basics.angles import wrap
+from backhoe.basics.inputs import instance
 from backhoe.machine import Machine
-from backhoe.mission.believing import LIBRARY
+from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.loading import Run, run
 from backhoe.vehicle.tracking import Path
@@ -51,8 +53,8 @@ class DriveScore:
     `distance` the mean and `farthest` the largest distance from the path [m], `way` the length
     driven over that of the path, `late` by which delay the drive is explained best [s] (NaN without
     times), `time` [s], `push` the root mean square of the tracks' forces [N] (NaN without tracks),
-    `reached` whether it arrived. `astray` [m] and `askew` [rad] are the root mean square errors of
-    the position and the heading that it believed to have (NaN if it was told the truth).
+    `reached` whether it arrived. `position_error` [m] and `heading_error` [rad] are the root mean
+    squares of its estimate's errors (NaN if it was told the truth).
     """
 
     distance: float
@@ -64,8 +66,8 @@ class DriveScore:
     reached: bool
     swapped: tuple[str, ...] = ()
     reference: DriveScore | None = None
-    astray: float = np.nan
-    askew: float = np.nan
+    position_error: float = np.nan
+    heading_error: float = np.nan
 
     def __str__(self) -> str:
         rows = [
@@ -77,18 +79,11 @@ class DriveScore:
             ("force of a track [kN]", "{:.0f}", lambda score: score.push / 1e3),
             ("arrived", "{}", lambda score: "yes" if score.reached else "no"),
         ]
-        if not np.isnan(self.astray):
+        if not np.isnan(self.position_error):
+            off = np.nan_to_num
             rows += [
-                (
-                    "believed place off [cm]",
-                    "{:.1f}",
-                    lambda score: 100 * np.nan_to_num(score.astray),
-                ),
-                (
-                    "believed heading [deg]",
-                    "{:.1f}",
-                    lambda score: np.degrees(np.nan_to_num(score.askew)),
-                ),
+                ("believed place off [cm]", "{:.1f}", lambda s: off(100 * s.position_error)),
+                ("believed heading [deg]", "{:.1f}", lambda s: off(np.degrees(s.heading_error))),
             ]
         return _table(self, rows)
 
@@ -136,68 +131,42 @@ def _measure_drive(run: DriveRun) -> DriveScore:
         push=float(push),
         reached=run.reached,
         swapped=run.swapped,
-        **_belief(run),
+        **_estimate_errors(run),
     )
 
 
-def _belief(run: DriveRun) -> dict[str, float]:
-    """How wrong the machine was about its place [m] and heading [rad]."""
+def _estimate_errors(run: DriveRun) -> dict[str, float]:
+    """Root mean square errors of the estimated position [m] and heading [rad]."""
     if run.estimate is None:
         return {}
-    error = run.estimate - run.pose
-    turn = np.arctan2(np.sin(error[:, 2]), np.cos(error[:, 2]))
+    x, y, heading = (run.estimate - run.pose).T
     return {
-        "astray": float(np.sqrt(np.mean(error[:, 0] ** 2 + error[:, 1] ** 2))),
-        "askew": float(np.sqrt(np.mean(turn**2))),
+        "position_error": float(np.sqrt(np.mean(x**2 + y**2))),
+        "heading_error": float(np.sqrt(np.mean(wrap(heading) ** 2))),
     }
 
 
 @lru_cache(maxsize=8)
-def _reference_drive(
-    points: bytes,
-    times: bytes | None,
-    mode: str,
-    pose: bytes,
-    machine: Machine,
-    backend: str,
-    senses: tuple[tuple[str, ...], float | None, int],
-    time_limit: float | None,
-) -> DriveScore:
-    path = Path(
-        np.frombuffer(points).reshape(-1, 2), None if times is None else np.frombuffer(times)
-    )
-    start, (believers, fixes, seed) = np.frombuffer(pose), senses
-    parts = dict.fromkeys(believers, LIBRARY)
-    return _measure_drive(
-        drive(
-            path=path,
-            mode=mode,
-            machine=machine,
-            backend=backend,
-            pose=start,
-            fixes=fixes if "localisation" in parts else None,
-            seed=seed,
-            time_limit=time_limit,
-            **parts,
-        )
-    )
+def _reference_drive(points: tuple, times: tuple | None, **settings: object) -> DriveScore:
+    return _measure_drive(drive(path=Path(points, times), **settings))
 
 
 def _score_drive(run: DriveRun) -> DriveScore:
-    measured = _measure_drive(run)
-    if run.own_plant or not (run.swapped or run.beliefs):
+    measured, path = _measure_drive(run), run.path
+    if run.own_plant or not (run.swapped or run.estimates):
         return measured
-    believers = tuple(run.beliefs) if run.swapped else ()
-    path, times = run.path, run.path.times
+    estimators = dict.fromkeys(run.estimates, LIBRARY) if run.swapped else {}
     reference = _reference_drive(
-        path.points.tobytes(),
-        None if times is None else times.tobytes(),
-        run.mode,
-        run.pose[0].tobytes(),
-        run.machine,
-        run.backend,
-        (believers, run.fixes, run.seed),
-        run.time_limit,
+        tuple(map(tuple, path.points.tolist())),
+        None if path.times is None else tuple(path.times.tolist()),
+        mode=run.mode,
+        pose=tuple(run.pose[0].tolist()),
+        machine=run.machine,
+        backend=run.backend,
+        fixes=run.fixes if "localisation" in estimators else None,
+        seed=run.seed,
+        time_limit=run.time_limit,
+        **estimators,
     )
     return replace(measured, reference=reference)
 
@@ -219,10 +188,9 @@ def score(run: Run | DriveRun) -> Score | DriveScore:
     Raises:
         TypeError: run is something else.
     """
+    instance(run, "run", (Run, DriveRun), "take what mission.run or mission.drive returned")
     if isinstance(run, DriveRun):
         return _score_drive(run)
-    if not isinstance(run, Run):
-        raise TypeError(f"score takes what mission.run or mission.drive returned, got {run!r}")
     measured = _measure(run)
     if not run.swapped:
         return measured

@@ -1,0 +1,87 @@
+"""The machine that knows where it is only by its sensors.
+
+Encoders on the sprockets and a gyro, each with its noise, feed a student's odometry or filter, or
+the library's; the tracker is told the pose that comes out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backhoe.localisation.drives import NOISE
+from backhoe.machine import Machine
+from backhoe.mission.calls import call_part, reset
+
+
+class EstimatedPlant:
+    """A plant whose pose is what its estimators say; everything else is the plant's own.
+
+    Args:
+        plant: on tracks, with `belts` [m/s] and `machine`.
+        parts: "odometry", "localisation" or both in this order, a part or `calls.LIBRARY` each.
+        fixes: time between two fixes of the position by a total station [s]; None for none.
+        seed: of the sensors' noise.
+
+    Attributes:
+        estimates: poses by the estimator's name, lists of (3,) [m, m, rad]; the last estimator's
+            count.
+    """
+
+    def __init__(
+        self, plant: object, parts: Mapping[str, Callable | str], fixes: float | None, seed: int
+    ) -> None:
+        self._plant, self._fixes = plant, fixes
+        self._radius = plant.machine.tracks.sprocket_radius
+        self._rng = np.random.default_rng(seed)
+        self._bias = NOISE.gyro_bias * self._rng.standard_normal()
+        self._next_fix = plant.time if fixes is None else plant.time + fixes
+        start = np.array(plant.pose)
+        self._parts = {name: _started(name, parts[name], plant.machine, start) for name in parts}
+        self.estimates = {name: [start] for name in parts}
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._plant, name)
+
+    @property
+    def pose(self) -> NDArray:
+        """x, y, heading as estimated, shape (3,) [m, m, rad]."""
+        return list(self.estimates.values())[-1][-1]
+
+    def step(self, v: float, omega: float) -> None:
+        """Drive for one sample, then read the sensors; see `TrackedPlant.step`."""
+        self._plant.step(v, omega)
+        left, right, *others = self._sensors()
+        for name, part in self._parts.items():
+            poses = self.estimates[name]
+            seen = (poses[-1], left, right) if name == "odometry" else (left, right, *others)
+            poses.append(call_part(name, part, *seen, self.dt, shape=(3,)))
+
+    def _sensors(self) -> tuple[float, float, float, NDArray | None]:
+        """Rates of the left and right sprocket and of the gyro [rad/s], and a fix (2,) [m]."""
+        noise = self._rng.standard_normal(5)
+        rates = self._plant.belts / self._radius + sqrt(NOISE.encoder) * noise[:2]
+        gyro = self._plant.twist[1] + self._bias + sqrt(NOISE.gyro) * noise[2]
+        fix = None
+        if self._fixes is not None and self._plant.time >= self._next_fix - self.dt / 2:
+            from backhoe.localisation.fusion.fixes import STATION_STD
+
+            self._next_fix += self._fixes
+            fix = self._plant.pose[:2] + STATION_STD * noise[3:]
+        return float(rates[0]), float(rates[1]), float(gyro), fix
+
+
+def _started(name: str, part: Callable | str, machine: Machine, start: NDArray) -> Callable:
+    """The part or, in place of LIBRARY, the library's; a localisation is told where it starts."""
+    if isinstance(part, str):
+        from backhoe.localisation.fusion.online import Localiser, Odometer
+
+        part = Odometer(machine) if name == "odometry" else Localiser(machine)
+    if name == "odometry":
+        reset(part)
+    elif callable(getattr(part, "reset", None)):
+        call_part(name, part.reset, start)
+    return part

@@ -11,7 +11,7 @@ x: so K_y stands with the square of a length, a b for axles at a and -b under th
 Torque over r is a force, wheel speed is speed over r: so K_ptau stands with 1/r^2.
 
 Source: D'Angelo 2022, eqs. (2.12) to (2.17). Printed are one lever for two in (2.13b), no 1/r in
-(2.14), and so 1/r for 1/r^2 and 2 wheels for 4 in (2.15), (2.16); `printed.skid_steer` has them.
+(2.14), and so 1/r for 1/r^2 and 2 wheels for 4 in (2.15), (2.16).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One vehicle, driven sample by sample: what a tracker of lesson 05 steers.
+"""One vehicle, driven sample by sample: what a tracker steers.
 
 The same models as `runs`, with the same answers, for commands that depend on what happened.
 """

@@ -1,4 +1,4 @@
-"""Geometries to drive: circle, square, figure of eight, and a student's own points.
+"""Geometries to drive: circle, square, figure of eight, and one's own points.
 
 The source tries the first three (D'Angelo 2022, section 5.1) and starts the circle from its
 centre. Here all three are driven from the origin with heading 0: the circle from its centre, the
@@ -79,7 +79,7 @@ def figure_eight(radius: float = 1.5, *, points: int = 120, centre: ArrayLike = 
 
 
 def from_points(points: ArrayLike, spacing: float | None = None) -> Path:
-    """A path through a student's own points.
+    """A path through one's own points.
 
     Args:
         points: x, y of each, shape (n, 2), n >= 2 [m].

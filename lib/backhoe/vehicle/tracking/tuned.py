@@ -1,7 +1,7 @@
 """The trackers of the comparison with our gains: the source prints none but Scaglia's.
 
 Tuned by hand on the ideal and on the slipping vehicle of Husky size (`skid_steer.HUSKY`), for way-
-points 0.1 to 0.3 m apart; lesson 05 shows what each gain does.
+points 0.1 to 0.3 m apart.
 """
 
 from __future__ import annotations

@@ -70,8 +70,7 @@ def test_the_urdf_has_the_vehicles_mass_inertia_and_centre_of_mass(vehicle, tmp_
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"wheels": "square"}, 'wheels must be "continuous" or "fixed"'),
-        ({"shape": "cube"}, 'shape must be "sphere" or "cylinder"'),
+        ({"wheels": "square"}, "wheels must be one of continuous, fixed, got 'square'"),
         ({"vehicle": replace(HUSKY, inertia=0.5)}, "less than that of its wheels"),
     ],
 )
@@ -314,16 +313,16 @@ def test_the_rovers_meshes_fit_its_description():
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"vehicle": "husky"}, TypeError, "vehicle must be a skid_steer.Vehicle"),
-        ({"driven": "rear"}, ValueError, 'driven must be "all" or "front"'),
-        ({"dt": 0.0005}, ValueError, "dt must be a whole multiple of 0.001 s"),
-        ({"dt": "0.02"}, ValueError, "dt must be a whole multiple"),
-        ({"dt": True}, ValueError, "dt must be a whole multiple"),
-        ({"pose": (0.0, 1.0)}, ValueError, "pose must be 3 finite numbers"),
-        ({"pose": (0.0, 1.0, np.nan)}, ValueError, "pose must be 3 finite numbers"),
-        ({"half_track": -0.3}, ValueError, "half_track must be a positive length"),
-        ({"backend": "gazebo"}, ValueError, "unknown backend 'gazebo'"),
-        ({"contacts": "none"}, ValueError, 'contacts must be "library" or "bullet"'),
+        ({"vehicle": "husky"}, TypeError, "vehicle must be a Vehicle, got str"),
+        ({"driven": "rear"}, ValueError, "driven must be one of all, front, got 'rear'"),
+        ({"dt": 0.0005}, ValueError, "dt must be a whole multiple of the step, 0.001 s"),
+        ({"dt": "0.02"}, ValueError, "dt must be one number above 0"),
+        ({"dt": True}, ValueError, "dt must be one number above 0"),
+        ({"pose": (0.0, 1.0)}, ValueError, "pose must be x, y, heading"),
+        ({"pose": (0.0, 1.0, np.nan)}, ValueError, "pose must be finite"),
+        ({"half_track": -0.3}, ValueError, "half_track must be one number above 0"),
+        ({"backend": "gazebo"}, ValueError, "backend must be one of auto"),
+        ({"contacts": "none"}, ValueError, "contacts must be one of library, bullet, got 'none'"),
         ({"contacts": "bullet"}, ValueError, 'contacts="bullet" needs PyBullet'),
         ({"wheel_controller": 3}, TypeError, "wheel_controller must be a function"),
         (
@@ -341,10 +340,10 @@ def test_what_makes_no_rover_is_refused(arguments, error, message):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda rover: rover.step(np.inf, 0.0), "v and omega must be finite"),
-        (lambda rover: rover.push(np.zeros(3)), "torque must be 4 torques"),
-        (lambda rover: rover.push([0.0, 0.0, np.nan, 0.0]), "torque must be 4 torques"),
-        (lambda rover: rover.reset((1.0, 2.0)), "pose must be 3 finite numbers"),
+        (lambda rover: rover.step(np.inf, 0.0), "v must be one finite number"),
+        (lambda rover: rover.push(np.zeros(3)), "torque must be one a wheel"),
+        (lambda rover: rover.push([0.0, 0.0, np.nan, 0.0]), "torque must be finite"),
+        (lambda rover: rover.reset((1.0, 2.0)), "pose must be x, y, heading"),
     ],
 )
 def test_a_malformed_command_is_refused_and_changes_nothing(rover, call, message):
@@ -360,7 +359,7 @@ def test_a_malformed_command_is_refused_and_changes_nothing(rover, call, message
 def test_a_wheel_controller_that_gives_no_voltages_is_named(voltage):
     with (
         simulation.open_rover(backend="analytic", wheel_controller=lambda r, m: voltage) as rover,
-        pytest.raises(ValueError, match="wheel_controller must return 4 voltages"),
+        pytest.raises(ValueError, match="the answer of wheel_controller"),
     ):
         rover.step(0.1, 0.0)
 

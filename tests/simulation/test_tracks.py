@@ -7,9 +7,11 @@ from backhoe import simulation
 from backhoe.arm import dynamics
 from backhoe.machine import BACKHOE
 from backhoe.simulation import tracks
+from backhoe.simulation.forces import numbers_of
 from backhoe.simulation.loop import REST
 
 PATCHES = tracks.patch_positions(BACKHOE)
+NUMBERS = numbers_of(BACKHOE, friction=True)
 TRACK = BACKHOE.tracks
 WEIGHT = BACKHOE.mass * BACKHOE.gravity
 
@@ -17,17 +19,7 @@ WEIGHT = BACKHOE.mass * BACKHOE.gravity
 def rub(velocity, yaw_rate, belts=(0.0, 0.0), sheared=None, steps=1, dt=0.001):
     sheared = np.zeros_like(PATCHES) if sheared is None else sheared
     for _ in range(steps):
-        push = tracks.friction(
-            PATCHES,
-            WEIGHT,
-            np.array(belts),
-            np.array(velocity),
-            yaw_rate,
-            TRACK.friction_longitudinal,
-            TRACK.friction_lateral,
-            dt,
-            sheared,
-        )
+        push, _ = tracks.shear(NUMBERS, WEIGHT, (*velocity, yaw_rate), belts, sheared, dt)
     return np.array(push)
 
 
@@ -99,7 +91,7 @@ def test_turning_on_the_spot_slips_like_a_tracked_machine(world):
 
 def test_tracks_off_the_ground_do_not_push():
     sheared = np.zeros_like(PATCHES)
-    push = tracks.friction(PATCHES, -1.0, np.zeros(2), np.ones(2), 0.5, 0.8, 0.6, 0.001, sheared)
+    push, _ = tracks.shear(NUMBERS, -1.0, (1.0, 1.0, 0.5), (0.0, 0.0), sheared, 0.001)
     assert push == (0.0, 0.0, 0.0)
 
 
@@ -122,6 +114,6 @@ def test_the_machine_keeps_its_place_under_a_full_swing_and_does_not_creep(world
 
 
 def test_a_push_at_the_tip_beyond_the_friction_moves_the_machine(world):
-    world._soil[:3] = -1.2 * TRACK.friction_longitudinal * WEIGHT, 0.0, 0.0
+    world._state.soil[:3] = -1.2 * TRACK.friction_longitudinal * WEIGHT, 0.0, 0.0
     drive(world, 1.0, (0.0, 0.0))
     assert world.pose[0] < -0.1

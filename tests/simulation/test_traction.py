@@ -6,6 +6,7 @@ import pytest
 from backhoe import simulation
 from backhoe.arm import dynamics
 from backhoe.machine import BACKHOE, replace
+from backhoe.simulation.tracks import patch_positions
 
 TRACK = BACKHOE.tracks
 WEIGHT = BACKHOE.mass * BACKHOE.gravity
@@ -63,7 +64,7 @@ def test_the_drives_work_becomes_motion_and_loss_and_nothing_more(world):
 
 
 def test_beyond_the_friction_of_the_ground_the_belts_spin(world):
-    world._parameters["along"] = slippery = 0.1
+    world._numbers.friction[0] = slippery = 0.1
     log = push(world, 0.8, (30e3, 30e3))
     assert log[-1, 3] > 1.5 * log[-1, 0]
     acceleration = (log[-1, 0] - log[299, 0]) / 0.5
@@ -93,7 +94,7 @@ def test_without_traction_the_machine_rolls_out(world):
 
 
 def test_opposite_forces_turn_it_only_beyond_the_moment_of_lateral_friction(world):
-    arms = np.abs(simulation.loop.tracks.patch_positions(BACKHOE)[:, 0])
+    arms = np.abs(patch_positions(BACKHOE)[:, 0])
     moment = TRACK.friction_lateral * WEIGHT * arms.mean()
     least = moment / TRACK.gauge + RESISTANCE / 2
     held = push(world, 2.0, (-0.8 * least, 0.8 * least))
@@ -150,12 +151,15 @@ def test_a_world_without_rolling_resistance_keeps_rolling(world):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"traction": (1.0, 2.0, 3.0)}, r"traction must be 2 forces \(left, right\) \[N\], got sh"),
-        ({"traction": (np.nan, 0.0)}, "torque and traction must be finite"),
-        ({"traction": ("full", "speed")}, "traction must be 2 forces"),
-        ({"traction": (1j, 0)}, "traction must be 2 forces"),
+        (
+            {"traction": (1.0, 2.0, 3.0)},
+            r"traction must be left and right \[N\], shape \(2,\), got sh",
+        ),
+        ({"traction": (np.nan, 0.0)}, "traction must be finite"),
+        ({"traction": ("full", "speed")}, "traction must be numbers"),
+        ({"traction": (1j, 0)}, "traction must be numbers"),
         ({"traction": (1.0, 1.0), "belts": (0.1, 0.1)}, "belts .* or traction .*, not both"),
-        ({"traction": (1.0, 1.0), "torque": np.zeros(3)}, "torque must be 4 numbers"),
+        ({"traction": (1.0, 1.0), "torque": np.zeros(3)}, "torque must be joints"),
     ],
 )
 def test_what_is_no_traction_is_refused_and_changes_nothing(world, arguments, message):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
 
+from backhoe.basics.inputs import choice
 from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation.scene import LOADING, Scene
 
@@ -109,8 +110,7 @@ def open_rover(
             an argument of `rover.Rover` that is malformed.
         ImportError: PyBullet is asked for and not installed.
     """
-    if contacts not in ("library", "bullet"):
-        raise ValueError(f'contacts must be "library" or "bullet", got {contacts!r}')
+    choice(contacts, "contacts", ("library", "bullet"))
     backend = _backend(backend)
     if vehicle is None:
         from backhoe.vehicle.skid_steer import HUSKY as vehicle
@@ -131,8 +131,7 @@ def _backend(backend: str) -> str:
     Raises:
         ValueError: there is no such backend.
     """
-    if backend not in BACKENDS:
-        raise ValueError(f"unknown backend {backend!r}: the backends are {', '.join(BACKENDS)}")
+    choice(backend, "backend", BACKENDS)
     if backend != "auto":
         return backend
     from backhoe.simulation import bullet

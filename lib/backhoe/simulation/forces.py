@@ -2,18 +2,20 @@
 
 The coordinates are x, y, yaw of the vehicle and the four joints. Both backends integrate these same
 forces: torques within the actuators' limits, joint friction, the stops at the ends of the joints'
-range, the friction of the tracks, and the soil on the bucket's tip. SI units.
+range, the friction of the tracks, and the soil on the bucket's tip. SI units. `engine` has the same
+functions compiled.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from backhoe.arm import dynamics
 from backhoe.machine import Machine
-from backhoe.simulation import tracks
+from backhoe.simulation.tracks import drive_belts, patch_positions, run_belts, shear
 
 COULOMB_SMOOTHING = 0.01
 """Speed below which Coulomb friction passes smoothly through zero [rad/s]."""
@@ -25,45 +27,74 @@ STOP_DAMPING = 0.4
 """Damping ratio of a stop, with the smallest inertia that the joint can feel."""
 
 
-def parameters(machine: Machine, friction: bool) -> NDArray:
-    """The machine's numbers as the one record that the compiled functions read, shape (1,)."""
-    boom, stick, bucket = machine.links
-    base, swing, track = machine.base, machine.swing, machine.tracks
-    scalars = {
-        "base_offset": base.offset,
-        "swing_offset": swing.offset,
-        "boom_height": base.height + swing.height,
-        "machine_mass": machine.mass,
-        "payload": 0.0,
-        "gravity": machine.gravity,
-        "belt_speed": track.max_speed,
-        "belt_acceleration": track.acceleration,
-        "along": track.friction_longitudinal,
-        "across": track.friction_lateral,
-        "rolling": track.rolling_resistance,
-        "belt_mass": track.belt_mass,
-        "max_traction": track.max_traction,
-    }
-    for name, link in (("boom", boom), ("stick", stick), ("bucket", bucket)):
-        scalars |= {
-            f"{name}_length": link.length,
-            f"{name}_angle_offset": link.angle_offset,
-        }
-    stiffness, damping = _stops(machine)
-    vectors = {
-        "lower": machine.lower,
-        "upper": machine.upper,
-        "torque_limit": machine.torque_limit,
-        "viscous": machine.viscous * friction,
-        "coulomb": machine.coulomb * friction,
-        "stop_stiffness": stiffness,
-        "stop_damping": damping,
-    }
-    fields = [(name, "f8") for name in scalars] + [(name, "f8", (4,)) for name in vectors]
-    record = np.zeros(1, dtype=fields)
-    for name, value in (scalars | vectors).items():
-        record[name][0] = value
-    return record
+class Numbers(NamedTuple):
+    """What the forces need of a machine, in arrays: so they pass fastest into compiled code.
+
+    Attributes:
+        reach: offset of the swing axis from the vehicle's origin and of the boom's joint from that,
+            height of that joint, lengths of boom, stick and bucket [m], their angle offsets [rad],
+            shape (9,).
+        joints: rows lower and upper limit [rad], torque limit [N m], viscous [N m s/rad] and
+            Coulomb friction [N m], stiffness [N m/rad] and damping [N m s/rad] of the stops,
+            shape (7, 4).
+        patches: as in `tracks.patch_positions`, shape (n, 2) [m].
+        friction: coefficients along and across the belts, shape (2,) [1].
+        belt: its mass [kg], rolling resistance over weight, largest driving force [N], speed [m/s]
+            and acceleration [m/s^2], shape (5,).
+        load: mass of the empty machine and of the soil in the bucket [kg], gravity [m/s^2], (3,).
+    """
+
+    reach: NDArray
+    joints: NDArray
+    patches: NDArray
+    friction: NDArray
+    belt: NDArray
+    load: NDArray
+
+
+class State(NamedTuple):
+    """Arrays that a step changes in place.
+
+    Attributes:
+        q, dq: coordinates x, y, yaw, swing, boom, stick, bucket and their rates, shape (7,).
+        soil: force on the bucket's tip in the world [N] and moment raising its pitch [N m], (4,).
+        sheared: of each patch, as in `tracks.shear`, shape (n, 2).
+        belts: speed of the left and right belt, shape (2,) [m/s].
+        traction: what drives of given force gave each track, shape (2,) [N].
+        torque: what the actuators gave the joints, shape (4,) [N m].
+        forces: along the seven coordinates, shape (7,) [N, N, N m, ...].
+    """
+
+    q: NDArray
+    dq: NDArray
+    soil: NDArray
+    sheared: NDArray
+    belts: NDArray
+    traction: NDArray
+    torque: NDArray
+    forces: NDArray
+
+
+def numbers_of(machine: Machine, friction: bool) -> Numbers:
+    """A machine's numbers; its joints without friction if not `friction`."""
+    base, swing, tracks, links = machine.base, machine.swing, machine.tracks, machine.links
+    frame = base.offset, swing.offset, base.height + swing.height
+    loss = machine.viscous * friction, machine.coulomb * friction
+    arrays = (
+        [*frame, *(link.length for link in links), *(link.angle_offset for link in links)],
+        [machine.lower, machine.upper, machine.torque_limit, *loss, *_stops(machine)],
+        patch_positions(machine),
+        [tracks.friction_longitudinal, tracks.friction_lateral],
+        [
+            tracks.belt_mass,
+            tracks.rolling_resistance,
+            tracks.max_traction,
+            tracks.max_speed,
+            tracks.acceleration,
+        ],
+        [machine.mass, 0.0, machine.gravity],
+    )
+    return Numbers(*(np.array(array, dtype=float) for array in arrays))
 
 
 def _stops(machine: Machine) -> tuple[NDArray, NDArray]:
@@ -76,108 +107,89 @@ def _stops(machine: Machine) -> tuple[NDArray, NDArray]:
     return stiffness, 2 * STOP_DAMPING * np.sqrt(stiffness * inertia)
 
 
-@njit(cache=True)
-def push(
-    q,
-    dq,
-    torque,
-    belt_command,
-    soil,
-    dt,
-    parameters,
-    patches,
-    sheared,
-    belts,
-    pull,
-    applied,
-    out,
-):
-    """Forces along the seven coordinates over one step.
+def state_of(numbers: Numbers) -> State:
+    """A machine at the origin, at rest, its joints at zero."""
+    sizes = 7, 7, 4, numbers.patches.shape, 2, 2, 4, 7
+    return State(*(np.zeros(size) for size in sizes))
+
+
+def push(numbers, state, torque, command, driven, dt):
+    """Find the forces along the seven coordinates over one step, and move the belts.
 
     Args:
-        q, dq: coordinates x, y, yaw, swing, boom, stick, bucket and their rates, shape (7,).
+        numbers: a `Numbers`.
+        state: a `State`; all but coordinates, rates and soil is brought forward in place.
         torque: wanted joint torques, shape (4,) [N m].
-        belt_command: wanted speed of the left and right belt, shape (2,) [m/s].
-        soil: force on the bucket's tip in the world [N] and moment raising its pitch [N m], (4,).
+        command: of the left and right belt, shape (2,): wanted driving forces [N] if `driven`, else
+            wanted speeds [m/s].
+        driven: whether forces drive the belts.
         dt: step [s].
-        parameters: from `parameters`.
-        patches: from `tracks.patch_positions`.
-        sheared, belts: state of the tracks, brought forward in place.
-        pull: forward force of the ground on the left and right track, shape (2,) [N], filled in.
-        applied: the joint torques within the actuators' limits, shape (4,), filled in.
-        out: the forces, shape (7,) [N, N, N m, ...], filled in.
 
     Returns:
-        False, with nothing changed, if a torque or belt speed is not finite.
+        False, with nothing changed, if a torque or command is not finite.
     """
-    if not (np.isfinite(torque).all() and np.isfinite(belt_command).all()):
+    numbers, state = Numbers(*numbers), State(*state)
+    if not (np.isfinite(torque).all() and np.isfinite(command).all()):
         return False
-    p = parameters[0]
-    _joint_torques(q, dq, torque, p, applied, out)
-    _tip_force(q, soil, p, out)
-    tracks.run_belts(belts, belt_command, p.belt_speed, p.belt_acceleration, dt)
-    _ground_force(q, dq, soil, dt, p, patches, sheared, belts, pull, out)
+    joint_torques(numbers.joints, state, torque)
+    tip_force(numbers.reach, state)
+    if driven:
+        weight, pull = ground_force(numbers, state, dt)
+        state.traction[:] = command
+        drive_belts(numbers.belt, state.belts, state.traction, pull, weight, dt)
+    else:
+        state.traction[:] = 0.0
+        run_belts(numbers.belt, state.belts, command, dt)
+        ground_force(numbers, state, dt)
     return True
 
 
-@njit(cache=True)
-def drive(
-    q, dq, torque, traction, soil, dt, parameters, patches, sheared, belts, pull, applied, out
-):
-    """Forces along the seven coordinates over one step in which forces drive the belts.
+def joint_torques(joints, state, torque):
+    """Actuator within its limit, friction and stop of each joint, into state.forces[3:]."""
+    lower, upper, limit, viscous, coulomb, stiffness, damping = joints
+    for k in range(4):
+        angle, speed = state.q[3 + k], state.dq[3 + k]
+        state.torque[k] = min(max(torque[k], -limit[k]), limit[k])
+        friction = viscous[k] * speed + coulomb[k] * np.tanh(speed / COULOMB_SMOOTHING)
+        stop = 0.0  # a spring and a damper that push back into the range and never pull
+        if angle > upper[k]:
+            stop = min(stiffness[k] * (upper[k] - angle) - damping[k] * speed, 0.0)
+        elif angle < lower[k]:
+            stop = max(stiffness[k] * (lower[k] - angle) - damping[k] * speed, 0.0)
+        state.forces[3 + k] = state.torque[k] - friction + stop
 
-    Args:
-        traction: wanted force of the left and right drive, shape (2,) [N]; replaced by what the
-            drives give.
-        The others as for `push`.
+
+def ground_force(numbers, state, dt):
+    """Add the force of the ground on the tracks to state.forces[:3].
 
     Returns:
-        False, with nothing changed, if a torque or traction is not finite.
+        Weight on the tracks [N] and forward force of the ground on each, shape (2,) [N].
     """
-    if not (np.isfinite(torque).all() and np.isfinite(traction).all()):
-        return False
-    p = parameters[0]
-    _joint_torques(q, dq, torque, p, applied, out)
-    _tip_force(q, soil, p, out)
-    weight = _ground_force(q, dq, soil, dt, p, patches, sheared, belts, pull, out)
-    tracks.drive_belts(
-        belts, traction, pull, weight, p.rolling, p.belt_mass, p.max_traction, p.belt_speed, dt
-    )
-    return True
-
-
-@njit(cache=True)
-def _ground_force(q, dq, soil, dt, p, patches, sheared, belts, pull, out):
-    """Force of the ground on the tracks, into out[:3]; returns the weight on the tracks [N]."""
-    mass = p.machine_mass + p.payload
-    weight = mass * p.gravity - soil[2]
-    cos_yaw, sin_yaw = np.cos(q[2]), np.sin(q[2])
-    velocity = dq[0] * cos_yaw + dq[1] * sin_yaw, dq[1] * cos_yaw - dq[0] * sin_yaw
-    along, across, moment = tracks.shear(
-        patches, weight, belts, velocity, dq[2], p.along, p.across, dt, sheared, pull
-    )
+    dq, out, (mass, payload, gravity) = state.dq, state.forces, numbers.load
+    weight = (mass + payload) * gravity - state.soil[2]
+    cos_yaw, sin_yaw = np.cos(state.q[2]), np.sin(state.q[2])
+    twist = dq[0] * cos_yaw + dq[1] * sin_yaw, dq[1] * cos_yaw - dq[0] * sin_yaw, dq[2]
+    (along, across, moment), pull = shear(numbers, weight, twist, state.belts, state.sheared, dt)
     out[0] += along * cos_yaw - across * sin_yaw
     out[1] += along * sin_yaw + across * cos_yaw
     out[2] += moment
-    return weight
+    return weight, pull
 
 
-@njit(cache=True)
-def tip_motion(q, dq, parameters):
+def tip_motion(reach, q, dq):
     """Pose and velocity of the bucket's tip frame in the world.
 
     Args:
-        q, dq: coordinates x, y, yaw, swing, boom, stick, bucket and their rates, shape (7,).
-        parameters: from `parameters`.
+        reach: as in `Numbers`.
+        q, dq: coordinates and rates as in `State`, shape (7,).
 
     Returns:
         T_world_tip, shape (4, 4), and the velocity of its origin, shape (3,) [m/s].
     """
-    p = parameters[0]
-    r2, z2, r3, z3, r4, z4, r, z, pitch = _arm_points(q, p)
+    r2, z2, r3, z3, r4, z4, r, z, pitch = arm_points(reach, q)
     heading = q[2] + q[3] + np.pi / 2
     out_x, out_y = np.cos(heading), np.sin(heading)
-    axis_x, axis_y = p.base_offset * np.cos(q[2]), p.base_offset * np.sin(q[2])
+    axis_x, axis_y = reach[0] * np.cos(q[2]), reach[0] * np.sin(q[2])
     c, s = np.cos(pitch), np.sin(pitch)
     T = np.zeros((4, 4))
     T[0, 0], T[1, 0], T[2, 0] = c * out_x, c * out_y, s
@@ -197,49 +209,29 @@ def tip_motion(q, dq, parameters):
     return T, velocity
 
 
-@njit(cache=True)
-def _joint_torques(q, dq, torque, p, applied, out):
-    """Actuator within its limit, friction and stop of each joint, into out[3:]."""
-    for k in range(4):
-        applied[k] = min(max(torque[k], -p.torque_limit[k]), p.torque_limit[k])
-        friction = p.viscous[k] * dq[3 + k] + p.coulomb[k] * np.tanh(dq[3 + k] / COULOMB_SMOOTHING)
-        out[3 + k] = applied[k] - friction + _stop(q[3 + k], dq[3 + k], k, p)
-
-
-@njit(cache=True)
-def _stop(angle, speed, k, p):
-    """Torque of a stop: a spring and a damper that push back into the range and never pull."""
-    if angle > p.upper[k]:
-        return min(p.stop_stiffness[k] * (p.upper[k] - angle) - p.stop_damping[k] * speed, 0.0)
-    if angle < p.lower[k]:
-        return max(p.stop_stiffness[k] * (p.lower[k] - angle) - p.stop_damping[k] * speed, 0.0)
-    return 0.0
-
-
-@njit(cache=True)
-def _arm_points(q, p):
+def arm_points(reach, q):
     """Boom joint, stick joint, bucket pin and tip in the arm's plane, and the bucket's pitch.
 
     Each point is r outwards from the swing axis and z above the ground [m].
     """
-    boom = q[4] + p.boom_angle_offset
-    stick = boom + q[5] + p.stick_angle_offset
-    bucket = stick + q[6] + p.bucket_angle_offset
-    r2, z2 = p.swing_offset, p.boom_height
-    r3, z3 = r2 + p.boom_length * np.cos(boom), z2 + p.boom_length * np.sin(boom)
-    r4, z4 = r3 + p.stick_length * np.cos(stick), z3 + p.stick_length * np.sin(stick)
-    r5, z5 = r4 + p.bucket_length * np.cos(bucket), z4 + p.bucket_length * np.sin(bucket)
+    _, r2, z2, L2, L3, L4, boom_offset, stick_offset, bucket_offset = reach
+    boom = q[4] + boom_offset
+    stick = boom + q[5] + stick_offset
+    bucket = stick + q[6] + bucket_offset
+    r3, z3 = r2 + L2 * np.cos(boom), z2 + L2 * np.sin(boom)
+    r4, z4 = r3 + L3 * np.cos(stick), z3 + L3 * np.sin(stick)
+    r5, z5 = r4 + L4 * np.cos(bucket), z4 + L4 * np.sin(bucket)
     return r2, z2, r3, z3, r4, z4, r5, z5, bucket
 
 
-@njit(cache=True)
-def _tip_force(q, force, p, out):
-    """J^T of a force and moment of the soil at the tip, into out."""
-    r2, z2, r3, z3, r4, z4, r, z, _ = _arm_points(q, p)
+def tip_force(reach, state):
+    """J^T of the force and moment of the soil at the tip, into state.forces."""
+    q, force, out = state.q, state.soil, state.forces
+    r2, z2, r3, z3, r4, z4, r, z, _ = arm_points(reach, q)
     heading = q[2] + q[3] + np.pi / 2
     out_x, out_y = np.cos(heading), np.sin(heading)
-    x = p.base_offset * np.cos(q[2]) + r * out_x
-    y = p.base_offset * np.sin(q[2]) + r * out_y
+    x = reach[0] * np.cos(q[2]) + r * out_x
+    y = reach[0] * np.sin(q[2]) + r * out_y
     outwards = force[0] * out_x + force[1] * out_y
     out[0] = force[0]
     out[1] = force[1]

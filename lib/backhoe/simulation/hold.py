@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics, pid
-from backhoe.arm.kinematics import joint_vector
+from backhoe.basics.inputs import numbers
 from backhoe.machine import BACKHOE, Machine
 from backhoe.vehicle.travel.posture import POSTURE
 
@@ -23,9 +23,7 @@ class Hold:
     """
 
     def __init__(self, q: ArrayLike = POSTURE, machine: Machine = BACKHOE) -> None:
-        self.q = joint_vector(q).copy()
-        if self.q.shape != (4,):
-            raise ValueError(f"q must be 4 joint angles, got shape {self.q.shape}")
+        self.q = numbers(q, "q", (4,), meaning="joints (swing, boom, stick, bucket)").copy()
         self._kp, self._kd = np.array(pid.ARM_GAINS.kp), np.array(pid.ARM_GAINS.kd)
         self._start = dynamics.gravity_torque(self.q, machine) + self._kp * self.q
 

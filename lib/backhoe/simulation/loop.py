@@ -12,14 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.arm.kinematics import joint_vector
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import choice, instance, numbers, real_numbers, whole
 from backhoe.machine import BACKHOE, Machine
-from backhoe.simulation import forces, tracks
+from backhoe.simulation import engine, forces
+from backhoe.simulation.clock import STEP
 from backhoe.simulation.scene import LOADING, Scene, untouched_ground
 
-STEP = 0.001
-"""Length of one step [s]."""
+BASES = ("tracks", "fixed")
 
 TICKS_PER_DIG = 10
 """Steps between two visits to the soil: 100 Hz."""
@@ -28,7 +27,8 @@ STANDING = (0.0, 0.0)
 """Belt speeds of a machine that stands [m/s]."""
 
 _STILL = np.zeros(2)
-_TRACTION = "traction must be 2 forces (left, right) [N]"
+_SHAPES = (4,), (2,)
+_JOINTS = "joints (swing, boom, stick, bucket)"
 
 RUNAWAY = 50.0
 """A rate far beyond what any machine of this kind survives [rad/s or m/s]."""
@@ -81,20 +81,16 @@ class Loop:
         base: str = "tracks",
         friction: bool = True,
     ) -> None:
-        for name, value, kind in (("machine", machine, Machine), ("scene", scene, Scene)):
-            if not isinstance(value, kind):
-                raise TypeError(f"{name} must be a {kind.__name__}, got {value!r}")
-        if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-            raise ValueError(f"seed must be a whole number, 0 or more, got {seed!r}")
-        if base not in ("tracks", "fixed"):
-            raise ValueError(f'base must be "tracks" or "fixed", got {base!r}')
-        self.machine, self.scene, self.seed, self.base = machine, scene, seed, base
+        self.machine = instance(machine, "machine", Machine)
+        self.scene = instance(scene, "scene", Scene)
+        self.seed, self.base = whole(seed, "seed", least=0), choice(base, "base", BASES)
         self._closed = False
         self._token = object()
-        self._start = _start(q)
+        self._start = numbers(REST if q is None else q, "q", (4,), meaning=_JOINTS).copy()
         self._soil_wanted = soil
-        self._parameters = forces.parameters(machine, friction)
-        self._patches = tracks.patch_positions(machine)
+        self._numbers = forces.numbers_of(machine, friction)
+        self._state = forces.state_of(self._numbers)
+        self._records = tuple(self._numbers), tuple(self._state)
         self._open()
         self.reset()
 
@@ -104,35 +100,35 @@ class Loop:
 
     @property
     def q(self) -> NDArray:
-        return self._q[3:].copy()
+        return self._state.q[3:].copy()
 
     @property
     def dq(self) -> NDArray:
-        return self._dq[3:].copy()
+        return self._state.dq[3:].copy()
 
     @property
     def pose(self) -> NDArray:
-        return self._q[:3].copy()
+        return self._state.q[:3].copy()
 
     @property
     def twist(self) -> NDArray:
-        return self._dq[:3].copy()
+        return self._state.dq[:3].copy()
 
     @property
     def belts(self) -> NDArray:
-        return self._belts.copy()
+        return self._state.belts.copy()
 
     @property
     def traction(self) -> NDArray:
-        return self._traction.copy()
+        return self._state.traction.copy()
 
     @property
     def torque(self) -> NDArray:
-        return self._applied.copy()
+        return self._state.torque.copy()
 
     @property
     def soil_force(self) -> NDArray:
-        return self._soil[:3].copy()
+        return self._state.soil[:3].copy()
 
     def step(
         self,
@@ -161,16 +157,21 @@ class Loop:
         """
         if self._closed:
             self._refuse()
-        torque = np.asarray(torque, dtype=float)
-        if traction is not None:
-            self._drive(torque, belts, real_array(traction, _TRACTION).copy())
-        else:
-            belts = _STILL if belts is STANDING else np.asarray(belts, dtype=float)
-            if torque.shape != (4,) or belts.shape != (2,) or not self._push(torque, belts):
-                _complain(torque, belts, "belts", "speeds", "m/s")
-        self._integrate(self._forces)
+        driven = traction is not None
+        if driven and belts is not STANDING:
+            raise ValueError("give belts (speeds) or traction (forces), not both")
+        if driven and self.base == "fixed":
+            raise ValueError("a fixed base cannot be driven: open the world with tracks")
+        name, command = ("traction", traction) if driven else ("belts", belts)
+        torque = real_numbers(torque, "torque")
+        command = _STILL if command is STANDING else real_numbers(command, name)
+        shapes = torque.shape, command.shape
+        if shapes != _SHAPES or not engine.push(*self._records, torque, command, driven, self.dt):
+            numbers(torque, "torque", (4,), meaning=f"{_JOINTS} [N m]")
+            numbers(command, name, (2,), meaning=f"left and right [{'N' if driven else 'm/s'}]")
+        self._integrate()
         self._ticks += 1
-        if self._ticks % TICKS_PER_DIG == 0 and not np.abs(self._dq).max() < RUNAWAY:
+        if self._ticks % TICKS_PER_DIG == 0 and not np.abs(self._state.dq).max() < RUNAWAY:
             self._run_away()
         if self.ground is not None:
             self._dig()
@@ -187,20 +188,13 @@ class Loop:
             RuntimeError: the simulation is closed.
         """
         self._check_open()
-        q = self._start if q is None else joint_vector(q).copy()
-        if q.shape != (4,):
-            raise ValueError(f"q must be 4 joint angles, got shape {q.shape}")
-        pose = np.zeros(3) if pose is None else np.asarray(pose, dtype=float)
-        if pose.shape != (3,) or not np.isfinite(pose).all():
-            raise ValueError(f"pose must be 3 finite numbers x, y, yaw, got {pose}")
+        q = numbers(self._start if q is None else q, "q", (4,), meaning=_JOINTS)
+        pose = numbers(np.zeros(3) if pose is None else pose, "pose", (3,), meaning="x, y, yaw")
         if self.base == "fixed" and pose.any():
             raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
-        self._ticks = 0
-        self._applied, self._forces = np.zeros(4), np.zeros(7)
-        self._soil, self._in_soil = np.zeros(4), False
-        self._belts, self._traction, self._pull = np.zeros(2), np.zeros(2), np.zeros(2)
-        self._driven = False
-        self._sheared = np.zeros_like(self._patches)
+        self._ticks, self._in_soil = 0, False
+        for array in self._state:
+            array[:] = 0.0
         self.ground = (
             untouched_ground(self.scene, self.machine, self.seed, STEP)
             if self._soil_wanted
@@ -215,8 +209,8 @@ class Loop:
         made = Snapshot(
             self._token,
             self._ticks,
-            tuple(array.copy() for array in self._state()),
-            float(self._parameters["payload"][0]),
+            tuple(array.copy() for array in self._state),
+            float(self._numbers.load[1]),
             self._in_soil,
             None if self.ground is None else self.ground.snapshot(),
             self._engine_snapshot(),
@@ -235,11 +229,11 @@ class Loop:
         if not isinstance(snapshot, Snapshot) or snapshot.owner is not self._token:
             raise ValueError("restore needs a snapshot of this very simulation")
         self._ticks = snapshot.ticks
-        for array, saved in zip(self._state(), snapshot.arrays, strict=True):
+        for array, saved in zip(self._state, snapshot.arrays, strict=True):
             array[:] = saved
         if self.ground is not None:
             self.ground.restore(snapshot.ground)
-        self._in_soil, self._driven = snapshot.in_soil, True
+        self._in_soil = snapshot.in_soil
         self._load(snapshot.payload)
         self._engine_restore(snapshot.engine)
 
@@ -269,13 +263,13 @@ class Loop:
 
     # What a backend brings.
 
-    def _integrate(self, pushed: NDArray) -> None:
-        """Advance self._q and self._dq, new arrays of shape (7,), under forces (7,)."""
+    def _integrate(self) -> None:
+        """Advance coordinates and rates in self._state under its forces."""
         raise NotImplementedError
 
     def _place(self, q: NDArray, dq: NDArray) -> None:
         """Put the machine at coordinates q with rates dq, shape (7,)."""
-        self._q, self._dq = q, dq
+        self._state.q[:], self._state.dq[:] = q, dq
 
     def _carry(self, payload: float) -> None:
         """Take `payload` [kg] along at the bucket's centre of mass."""
@@ -295,70 +289,15 @@ class Loop:
     def _engine_forget(self, state: object) -> None:
         """Release what `_engine_snapshot` returned: its snapshot is gone."""
 
-    def _state(self) -> tuple[NDArray, ...]:
-        return (
-            self._q,
-            self._dq,
-            self._applied,
-            self._soil,
-            self._belts,
-            self._traction,
-            self._sheared,
-        )
-
-    def _push(self, torque: NDArray, belts: NDArray) -> bool:
-        if self._driven:
-            self._traction, self._driven = np.zeros(2), False
-        return forces.push(
-            self._q,
-            self._dq,
-            torque,
-            belts,
-            self._soil,
-            self.dt,
-            self._parameters,
-            self._patches,
-            self._sheared,
-            self._belts,
-            self._pull,
-            self._applied,
-            self._forces,
-        )
-
-    def _drive(self, torque: NDArray, belts: ArrayLike, traction: NDArray) -> None:
-        if belts is not STANDING:
-            raise ValueError("give belts (speeds) or traction (forces), not both")
-        if self.base == "fixed":
-            raise ValueError("a fixed base cannot be driven: open the world with tracks")
-        if (
-            torque.shape != (4,)
-            or traction.shape != (2,)
-            or not forces.drive(
-                self._q,
-                self._dq,
-                torque,
-                traction,
-                self._soil,
-                self.dt,
-                self._parameters,
-                self._patches,
-                self._sheared,
-                self._belts,
-                self._pull,
-                self._applied,
-                self._forces,
-            )
-        ):
-            _complain(torque, traction, "traction", "forces", "N")
-        self._traction, self._driven = traction, True
-
     def _dig(self) -> None:
         """Let the soil move on at 100 Hz and, in it, feel it at 1 kHz."""
         visit = self._ticks % TICKS_PER_DIG == 0
         if not (visit or self._in_soil):
             return
         ground = self.ground
-        T_world_tip, velocity = forces.tip_motion(self._q, self._dq, self._parameters)
+        T_world_tip, velocity = engine.tip_motion(
+            self._numbers.reach, self._state.q, self._state.dq
+        )
         if visit:
             if not velocity @ velocity < RUNAWAY**2:
                 self._run_away()
@@ -367,19 +306,19 @@ class Loop:
             self._in_soil = ground.touches
         else:
             force = ground.force(T_world_tip[:3, 3], velocity)
-        self._soil[:3] = force
-        self._soil[3] = ground.moment
+        self._state.soil[:3] = force
+        self._state.soil[3] = ground.moment
 
     def _load(self, payload: float) -> None:
-        if payload != self._parameters["payload"][0] or self._ticks == 0:
-            self._parameters["payload"][0] = payload
+        if payload != self._numbers.load[1] or self._ticks == 0:
+            self._numbers.load[1] = payload
             self._carry(payload)
 
     def _run_away(self) -> None:
         raise RuntimeError(
-            f"the machine ran away at t = {self.time:.3f} s with rates {self._dq.round(1)}: the "
-            "torques drive it apart (in a controller: a wrong sign, or a damping gain above twice "
-            "the joint's inertia over the step); call reset() before going on"
+            f"the machine ran away at t = {self.time:.3f} s with rates {self._state.dq.round(1)}: "
+            "the torques drive it apart (in a controller: a wrong sign, or a damping gain above "
+            "twice the joint's inertia over the step); call reset() before going on"
         )
 
     def _check_open(self) -> None:
@@ -388,20 +327,3 @@ class Loop:
 
     def _refuse(self) -> None:
         raise RuntimeError("this simulation is closed: open a new one with simulation.open_world()")
-
-
-def _start(q: ArrayLike | None) -> NDArray:
-    start = REST.copy() if q is None else joint_vector(q).copy()
-    if start.shape != (4,):
-        raise ValueError(f"q must be 4 joint angles, got shape {start.shape}")
-    return start
-
-
-def _complain(torque: NDArray, pair: NDArray, name: str, what: str, unit: str) -> None:
-    if torque.shape != (4,):
-        raise ValueError(
-            f"torque must be 4 numbers (swing, boom, stick, bucket) [N m], got shape {torque.shape}"
-        )
-    if pair.shape != (2,):
-        raise ValueError(f"{name} must be 2 {what} (left, right) [{unit}], got shape {pair.shape}")
-    raise ValueError(f"torque and {name} must be finite, got {torque} N m and {pair} {unit}")

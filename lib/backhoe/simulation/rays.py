@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.simulation import bullet
-from backhoe.simulation.render import country, link_frames, quaternion
+from backhoe.simulation.render import country, link_frames
 from backhoe.view import shapes
 from backhoe.view.appearance import truck_visuals, visuals
 from backhoe.view.shapes import Mesh
@@ -31,8 +31,7 @@ class Rays:
     """
 
     def __init__(self, world: Loop) -> None:
-        self._engine = bullet.pybullet()
-        self._client = bullet.connect()
+        self._server = bullet.Server()
         self._world = world
         self._links = {
             link: self._add(shapes.join(*((part.vertices, part.faces) for part in parts)))
@@ -47,23 +46,16 @@ class Rays:
 
     def cast(self, start: NDArray, end: NDArray) -> NDArray:
         """First hits between start and end, each (n, 3), in the world; NaN where there is none."""
-        engine = self._engine
+        server = self._server
         for link, T in link_frames(self._world).items():
-            engine.resetBasePositionAndOrientation(
-                self._links[link],
-                T[:3, 3].tolist(),
-                quaternion(T[:3, :3]),
-                physicsClientId=self._client,
-            )
+            server.place(self._links[link], T)
         self._follow_soil()
-        engine.performCollisionDetection(physicsClientId=self._client)
+        server.performCollisionDetection()
         hits = [
             hit
             for first in range(0, len(start), BATCH)
-            for hit in engine.rayTestBatch(
-                start[first : first + BATCH].tolist(),
-                end[first : first + BATCH].tolist(),
-                physicsClientId=self._client,
+            for hit in server.rayTestBatch(
+                start[first : first + BATCH].tolist(), end[first : first + BATCH].tolist()
             )
         ]
         points = np.array([hit[3] for hit in hits], dtype=float).reshape(-1, 3)
@@ -72,7 +64,7 @@ class Rays:
 
     def close(self) -> None:
         """Release the server."""
-        self._engine.disconnect(physicsClientId=self._client)
+        self._server.disconnect()
 
     def _follow_soil(self) -> None:
         ground = self._world.ground
@@ -90,17 +82,15 @@ class Rays:
         if laid == version:
             return
         if body is not None:
-            self._engine.removeBody(body, physicsClientId=self._client)
+            self._server.removeBody(body)
         self._soil[name] = version, self._add(shapes.grid(x, y, heights))
 
     def _add(self, mesh: Mesh) -> int:
-        engine = self._engine
-        vertices, faces = mesh
-        shape = engine.createCollisionShape(
-            engine.GEOM_MESH,
+        server, (vertices, faces) = self._server, mesh
+        shape = server.createCollisionShape(
+            server.GEOM_MESH,
             vertices=vertices.tolist(),
             indices=faces.ravel().tolist(),
-            flags=engine.GEOM_FORCE_CONCAVE_TRIMESH,
-            physicsClientId=self._client,
+            flags=server.GEOM_FORCE_CONCAVE_TRIMESH,
         )
-        return engine.createMultiBody(baseCollisionShapeIndex=shape, physicsClientId=self._client)
+        return server.createMultiBody(baseCollisionShapeIndex=shape)

@@ -54,14 +54,13 @@ class Renderer:
     """
 
     def __init__(self, world: Loop) -> None:
-        self._engine = bullet.pybullet()
-        self._client = bullet.connect()
+        self._server = bullet.Server()
         self._world = world
         self._folder = tempfile.TemporaryDirectory(prefix="backhoe-")
         self._shown: dict[str, tuple[object, int | None]] = {}
         path = Path(self._folder.name) / "ground.png"
         path.write_bytes(texture.png(texture.ground(world.seed)))
-        self._texture = self._engine.loadTexture(str(path), physicsClientId=self._client)
+        self._texture = self._server.loadTexture(str(path))
         self._links = [
             (link, self._add((part.vertices, part.faces), part.colour))
             for link, parts in visuals(world.machine).items()
@@ -99,8 +98,8 @@ class Renderer:
 
     def _look(self, camera: Camera) -> tuple[NDArray, NDArray, NDArray]:
         """Colours (rows, columns, 3), depth and whether something is seen (rows, columns)."""
-        engine, (rows, columns) = self._engine, camera.shape
-        _, _, colours, depth, bodies = engine.getCameraImage(
+        server, (rows, columns) = self._server, camera.shape
+        _, _, colours, depth, bodies = server.getCameraImage(
             columns,
             rows,
             camera.view.T.ravel().tolist(),
@@ -111,8 +110,7 @@ class Renderer:
             lightDiffuseCoeff=DIFFUSE,
             lightSpecularCoeff=0.05,
             shadow=0,
-            renderer=engine.ER_TINY_RENDERER,
-            physicsClientId=self._client,
+            renderer=server.ER_TINY_RENDERER,
         )
         colours = np.reshape(np.array(colours, dtype=np.uint8), (rows, columns, 4))
         depth = np.reshape(np.array(depth), (rows, columns))
@@ -153,7 +151,7 @@ class Renderer:
 
     def close(self) -> None:
         """Release the server and the texture."""
-        self._engine.disconnect(physicsClientId=self._client)
+        self._server.disconnect()
         self._folder.cleanup()
 
     def _pose_machine(self) -> None:
@@ -162,7 +160,7 @@ class Renderer:
         self._show("load", None if load is None else round(world.ground.bucket_volume, 4), load)
         for link, body in [*self._links, ("bucket", self._shown["load"][1])]:
             if body is not None:
-                self._place(body, frames[link])
+                self._server.place(body, frames[link])
         for strut, (barrel, rod) in self._struts:
             base = frames[strut.base_link] @ [*strut.base, 1.0]
             tip = frames[strut.tip_link] @ [*strut.tip, 1.0]
@@ -172,12 +170,7 @@ class Renderer:
             T[:3, :3] = np.stack([along, np.cross(across, along), across], axis=-1)
             for body, origin in ((barrel, base), (rod, tip)):
                 T[:3, 3] = origin[:3]
-                self._place(body, T)
-
-    def _place(self, body: int, T: NDArray) -> None:
-        self._engine.resetBasePositionAndOrientation(
-            body, T[:3, 3].tolist(), quaternion(T[:3, :3]), physicsClientId=self._client
-        )
+                self._server.place(body, T)
 
     def _show_soil(self) -> None:
         ground = self._world.ground
@@ -224,7 +217,7 @@ class Renderer:
     def _remove(self, name: str) -> None:
         _, body = self._shown.pop(name, (None, None))
         if body is not None:
-            self._engine.removeBody(body, physicsClientId=self._client)
+            self._server.removeBody(body)
 
     def _add(self, mesh: Mesh, colour: Sequence[float]) -> int:
         """A body of one colour with flat faces."""
@@ -248,23 +241,19 @@ class Renderer:
             uvs=((vertices[:, :2] + 2 * HORIZON) / texture.SIDE).tolist(),
             rgbaColor=(1, 1, 1, 1),
         )
-        self._engine.changeVisualShape(
-            body, -1, textureUniqueId=self._texture, physicsClientId=self._client
-        )
+        self._server.changeVisualShape(body, -1, textureUniqueId=self._texture)
         return body
 
     def _body(self, vertices: NDArray, indices: NDArray, normals: NDArray, **look: object) -> int:
-        engine = self._engine
-        shape = engine.createVisualShape(
-            engine.GEOM_MESH,
+        shape = self._server.createVisualShape(
+            self._server.GEOM_MESH,
             vertices=vertices.tolist(),
             indices=indices.tolist(),
             normals=normals.tolist(),
             specularColor=(0.1, 0.1, 0.1),
-            physicsClientId=self._client,
             **look,
         )
-        return engine.createMultiBody(baseVisualShapeIndex=shape, physicsClientId=self._client)
+        return self._server.createMultiBody(baseVisualShapeIndex=shape)
 
 
 def country(scene: Scene) -> Mesh:
@@ -296,22 +285,6 @@ def _grid_normals(heights: NDArray, grid: tuple[NDArray, NDArray]) -> NDArray:
     slope_y, slope_x = np.gradient(heights, y[:, 0], x[0])
     normals = np.stack([-slope_x, -slope_y, np.ones_like(heights)], axis=-1).reshape(-1, 3)
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
-
-
-def quaternion(R: NDArray) -> list[float]:
-    """The rotation as a quaternion xyzw, for the frames of an upright arm."""
-    diagonal = np.array([R[0, 0], R[1, 1], R[2, 2]])
-    squares = np.array([*(1 + 2 * diagonal - diagonal.sum()), 1 + diagonal.sum()])
-    largest = int(np.argmax(squares))
-    q = np.empty(4)
-    w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    if largest == 3:
-        q[:3], q[3] = w, squares[3]
-    else:
-        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
-        q[i], q[3] = squares[i], w[i]
-        q[j], q[k] = R[i, j] + R[j, i], R[i, k] + R[k, i]
-    return (q / np.linalg.norm(q)).tolist()
 
 
 def _sky(rows: int) -> NDArray:

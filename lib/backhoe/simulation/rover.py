@@ -15,13 +15,14 @@ in a curve at 1 m/s it is 0.45 m, not 0.49 m. With PyBullet's friction cone it i
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import isfinite
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import choice, function, instance, number, numbers, positive
+from backhoe.simulation.clock import STEP, ticks
 from backhoe.simulation.rover_urdf import rover_urdf
 from backhoe.simulation.wheel_friction import WheelFriction
 
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     from backhoe.vehicle.skid_steer import Vehicle
     from backhoe.vehicle.tracking import Limits
 
-STEP = 0.001
-"""One step: of the wheels' controllers and of the simulation [s]."""
+DRIVEN = {"all": (1.0, 1.0, 1.0, 1.0), "front": (1.0, 1.0, 0.0, 0.0)}
+"""Which wheels have a motor."""
 
 GROUP = 5
 """Steps of the wheels for one of a body in PyBullet, if the sample time allows."""
@@ -82,21 +83,17 @@ class Rover:
         from backhoe.vehicle import motor as motors
         from backhoe.vehicle.skid_steer.vehicle import Vehicle
 
-        if not isinstance(vehicle, Vehicle):
-            raise TypeError(f"vehicle must be a skid_steer.Vehicle, got {vehicle!r}")
-        if driven not in ("all", "front"):
-            raise ValueError(f'driven must be "all" or "front", got {driven!r}')
-        self.vehicle, self.driven = vehicle, driven
+        self.vehicle = instance(vehicle, "vehicle", Vehicle)
+        self.driven = choice(driven, "driven", DRIVEN)
         self.motor = motors.ROVER if motor is None else motor
-        self._motored = np.array([1.0, 1.0, *([1.0, 1.0] if driven == "all" else [0.0, 0.0])])
-        self._ticks = _whole_multiple(dt)
+        self._motored = np.array(DRIVEN[driven])
+        self._ticks = ticks(dt)
         self._group = GROUP if self._ticks % GROUP == 0 and self._grouped else 1
         self.dt = self._ticks * STEP
-        self._half_track = vehicle.half_track if half_track is None else half_track
-        if not (isfinite(self._half_track) and self._half_track > 0):
-            raise ValueError(f"half_track must be a positive length in m, got {half_track!r}")
+        half_track = vehicle.half_track if half_track is None else half_track
+        self._half_track = positive(half_track, "half_track", "m")
         self._control = self._controller(gains, wheel_controller)
-        self._start = np.zeros(3) if pose is None else _pose(pose)
+        self._start = _pose(np.zeros(3) if pose is None else pose)
         self._closed = False
         self._open()
         try:
@@ -176,8 +173,7 @@ class Rover:
             RuntimeError: the rover is closed.
         """
         self._check_open()
-        if not (isfinite(v) and isfinite(omega)):
-            raise ValueError(f"v and omega must be finite, got {v!r} m/s and {omega!r} rad/s")
+        v, omega = number(v, "v", "m/s"), number(omega, "omega", "rad/s")
         turn = self._half_track * omega
         left, right = ((v + side * turn) / self.vehicle.wheel_radius for side in (-1, 1))
         reference = np.array([left, right, left, right])
@@ -202,7 +198,7 @@ class Rover:
             RuntimeError: the rover is closed.
         """
         self._check_open()
-        torque = _four(torque, "torque must be 4 torques [N m], one a wheel")
+        torque = _of_wheels(torque, "torque")
         self._drive, self._damping, self._voltage = torque.copy(), np.zeros(4), np.zeros(4)
         start = self._state.copy()
         self._tick(np.zeros(4))
@@ -274,11 +270,10 @@ class Rover:
         if own is not None:
             if gains is not None:
                 raise ValueError("give gains or wheel_controller, not both")
-            if isinstance(own, type) or not callable(own):
-                raise TypeError(f"wheel_controller must be a function or an object: {_CALL}")
-            self._controllers = [own]
-            message = f"wheel_controller must return 4 voltages: {_CALL}"
-            return lambda reference, measured: _four(own(reference.copy(), measured), message)
+            self._controllers = [function(own, "wheel_controller", _CALL)]
+            return lambda reference, measured: _of_wheels(
+                own(reference.copy(), measured), f"the answer of {_CALL}"
+            )
         if gains is None:
             driven = int(self._motored.sum())
             gains = motors.tune_wheel(self.motor, motors.vehicle_load(self.vehicle, driven))
@@ -303,23 +298,5 @@ class AnalyticRover(Rover):
     backend = "analytic"
 
 
-def _whole_multiple(dt: float) -> int:
-    number = isinstance(dt, int | float) and not isinstance(dt, bool) and isfinite(dt)
-    ticks = round(dt / STEP) if number else 0
-    if ticks < 1 or abs(ticks * STEP - dt) > 1e-9:
-        raise ValueError(f"dt must be a whole multiple of {STEP} s, got {dt!r}")
-    return ticks
-
-
-def _pose(pose: ArrayLike) -> NDArray:
-    pose = real_array(pose, "pose must be x, y, heading")
-    if pose.shape != (3,) or not np.isfinite(pose).all():
-        raise ValueError(f"pose must be 3 finite numbers x, y, heading, got {pose}")
-    return pose.copy()
-
-
-def _four(values: ArrayLike, message: str) -> NDArray:
-    values = real_array(values, message)
-    if values.shape != (4,) or not np.isfinite(values).all():
-        raise ValueError(f"{message}, got {values}")
-    return values
+_pose = partial(numbers, name="pose", shape=(3,), meaning="x, y, heading")
+_of_wheels = partial(numbers, shape=(4,), meaning="one a wheel")

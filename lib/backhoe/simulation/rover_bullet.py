@@ -9,15 +9,14 @@ repeat bit for bit.
 
 from __future__ import annotations
 
-import tempfile
 from math import atan2, cos, pi, sin
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.simulation import bullet
-from backhoe.simulation.rover import STEP, Rover
+from backhoe.simulation.clock import STEP
+from backhoe.simulation.rover import Rover
 from backhoe.simulation.rover_urdf import body_middle, rover_urdf
 
 SETTLING = 400
@@ -38,89 +37,70 @@ class BulletRover(Rover):
     """
 
     backend = "pybullet"
-    _wheels, _shape, _rub = "fixed", "sphere", 0.0
+    _wheels, _rub = "fixed", 0.0
 
     def _open(self) -> None:
-        self._engine = bullet.pybullet()
-        self._client = bullet.connect()
+        self._server = bullet.Server()
         self._lever = body_middle(self.vehicle)[0]
 
     def _shut(self) -> None:
-        self._engine.disconnect(physicsClientId=self._client)
+        self._server.disconnect()
 
     def _place(self) -> None:
-        engine, client = self._engine, self._client
-        engine.resetSimulation(physicsClientId=client)
-        engine.setTimeStep(STEP, physicsClientId=client)
-        engine.setGravity(0, 0, -self.vehicle.gravity, physicsClientId=client)
-        plane = engine.createCollisionShape(engine.GEOM_PLANE, physicsClientId=client)
-        self._ground = engine.createMultiBody(0, plane, physicsClientId=client)
+        server = self._server
+        server.resetSimulation()
+        server.setTimeStep(STEP)
+        server.setGravity(0, 0, -self.vehicle.gravity)
+        self._ground = server.createMultiBody(0, server.createCollisionShape(server.GEOM_PLANE))
         x, y, heading = self._state[:3]
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "rover.urdf"
-            path.write_text(rover_urdf(self.vehicle, wheels=self._wheels, shape=self._shape))
-            self._body = engine.loadURDF(
-                str(path),
-                [x, y, 0.0],
-                [0.0, 0.0, sin(heading / 2), cos(heading / 2)],
-                flags=engine.URDF_USE_INERTIA_FROM_FILE,
-                physicsClientId=client,
-            )
+        self._body = server.load_urdf(
+            rover_urdf(self.vehicle, wheels=self._wheels),
+            (x, y, 0.0),
+            (0.0, 0.0, sin(heading / 2), cos(heading / 2)),
+        )
         share = self.vehicle.mass / 4
         stiffness = share * self.vehicle.gravity / SINKING
-        damping = 2 * TYRE_DAMPING * (stiffness * share) ** 0.5
-        for link in range(-1, 4):
-            engine.changeDynamics(
-                self._body,
-                link,
-                lateralFriction=self._rub,
-                contactStiffness=stiffness,
-                contactDamping=damping,
-                spinningFriction=0,
-                rollingFriction=0,
-                linearDamping=0,
-                angularDamping=0,
-                jointDamping=0,
-                physicsClientId=client,
-            )
+        server.free(
+            self._body,
+            lateralFriction=self._rub,
+            contactStiffness=stiffness,
+            contactDamping=2 * TYRE_DAMPING * (stiffness * share) ** 0.5,
+            spinningFriction=0,
+            rollingFriction=0,
+        )
         for _ in range(SETTLING):
-            engine.stepSimulation(physicsClientId=client)
+            server.stepSimulation()
         self._read()
 
     def _move(self, start: NDArray, seconds: float) -> None:
-        engine, client, p, ahead = self._engine, self._client, self.vehicle, self._state
+        server, p, ahead = self._server, self.vehicle, self._state
         force = (_in_world(ahead) - _in_world(start)) * (p.mass / seconds)
         moment = p.inertia * (ahead[5] - start[5]) / seconds
-        engine.setTimeStep(seconds, physicsClientId=client)
-        engine.applyExternalForce(
+        server.setTimeStep(seconds)
+        server.applyExternalForce(
             self._body,
             -1,
             [force.real, force.imag, 0.0],
             [start[0], start[1], 0.0],
-            engine.WORLD_FRAME,
-            physicsClientId=client,
+            server.WORLD_FRAME,
         )
-        engine.applyExternalTorque(
-            self._body, -1, [0.0, 0.0, moment], engine.WORLD_FRAME, physicsClientId=client
-        )
-        engine.stepSimulation(physicsClientId=client)
+        server.applyExternalTorque(self._body, -1, [0.0, 0.0, moment], server.WORLD_FRAME)
+        server.stepSimulation()
         ahead[2] = start[2]
         self._read()
 
     def _read(self) -> None:
         """Pose, velocity and loads as Bullet has them, into the state."""
-        engine, client, state = self._engine, self._client, self._state
-        (x, y, _), (_, _, qz, qw) = engine.getBasePositionAndOrientation(
-            self._body, physicsClientId=client
-        )
-        (dx, dy, _), (_, _, omega) = engine.getBaseVelocity(self._body, physicsClientId=client)
+        server, state = self._server, self._state
+        (x, y, _), (_, _, qz, qw) = server.getBasePositionAndOrientation(self._body)
+        (dx, dy, _), (_, _, omega) = server.getBaseVelocity(self._body)
         heading = 2 * atan2(qz, qw)
         heading += 2 * pi * round((float(state[2]) - heading) / (2 * pi))
         c, s, lever = cos(heading), sin(heading), self._lever
         along, across = c * dx + s * dy, c * dy - s * dx
         state[:6] = x - c * lever, y - s * lever, heading, along, across - omega * lever, omega
         loads = [0.0] * 5
-        for contact in engine.getContactPoints(self._body, self._ground, physicsClientId=client):
+        for contact in server.getContactPoints(self._body, self._ground):
             loads[contact[3]] += contact[9]
         self._loads = np.array(loads[:4])
 
@@ -141,37 +121,20 @@ class ContactRover(BulletRover):
 
     def _place(self) -> None:
         super()._place()
-        self._engine.changeDynamics(
-            self._ground, -1, lateralFriction=1.0, physicsClientId=self._client
-        )
-        self._engine.setJointMotorControlArray(
-            self._body,
-            range(4),
-            self._engine.VELOCITY_CONTROL,
-            forces=[0.0] * 4,
-            physicsClientId=self._client,
-        )
+        self._server.changeDynamics(self._ground, -1, lateralFriction=1.0)
+        self._server.switch_off(self._body, range(4))
         self._turning = np.zeros(4)
 
     def _move(self, start: NDArray, seconds: float) -> None:
         """Bullet has moved the body already."""
 
     def _advance(self, rotors: NDArray) -> None:
-        engine, client, p = self._engine, self._client, self.vehicle
         if (rotors != self._turning).any():
             self._add_rotors(rotors)
-        speeds = self._state[6:]
-        rolling = self._loads * p.rolling * p.wheel_radius**2
-        torque = self._drive - (self._damping + rolling) * speeds
-        engine.setJointMotorControlArray(
-            self._body,
-            range(4),
-            engine.TORQUE_CONTROL,
-            forces=torque.tolist(),
-            physicsClientId=client,
-        )
-        engine.stepSimulation(physicsClientId=client)
-        states = engine.getJointStates(self._body, range(4), physicsClientId=client)
+        rolling = self._loads * self.vehicle.rolling * self.vehicle.wheel_radius**2
+        torque = self._drive - (self._damping + rolling) * self._state[6:]
+        self._server.push(self._body, range(4), torque)
+        states = self._server.getJointStates(self._body, range(4))
         self._state[6:] = [state[1] for state in states]
         self._read()
 
@@ -179,12 +142,8 @@ class ContactRover(BulletRover):
         p = self.vehicle
         across = p.wheel_inertia / 2 + p.wheel_mass * p.wheel_width**2 / 12
         for wheel, inertia in enumerate(rotors):
-            self._engine.changeDynamics(
-                self._body,
-                wheel,
-                localInertiaDiagonal=[across, p.wheel_inertia + inertia, across],
-                physicsClientId=self._client,
-            )
+            turning = [across, p.wheel_inertia + inertia, across]
+            self._server.changeDynamics(self._body, wheel, localInertiaDiagonal=turning)
         self._turning = rotors.copy()
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from math import pi
 from typing import TYPE_CHECKING
 
+from backhoe.basics.inputs import choice
 from backhoe.vehicle.skid_steer.vehicle import WHEELS
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ def body_middle(vehicle: Vehicle) -> tuple[float, float, float]:
     return 0.0 - wheels / vehicle.body_mass, 0.0, vehicle.clearance + vehicle.body_height / 2
 
 
-def rover_urdf(vehicle: Vehicle, *, wheels: str = "continuous", shape: str = "sphere") -> str:
+def rover_urdf(vehicle: Vehicle, *, wheels: str = "continuous") -> str:
     """URDF of the vehicle.
 
     The body's inertia is that of a box of its shape, scaled so that the whole vehicle has its
@@ -32,18 +33,14 @@ def rover_urdf(vehicle: Vehicle, *, wheels: str = "continuous", shape: str = "sp
     Args:
         vehicle: its description.
         wheels: kind of the wheels' joints, "continuous" or "fixed".
-        shape: what collides, "sphere" or "cylinder".
 
     Returns:
         The XML text: link "body", and a link and joint for each name of `skid_steer.WHEELS`.
 
     Raises:
-        ValueError: an unknown kind or shape, or wheels that alone have more inertia than the whole.
+        ValueError: an unknown kind, or wheels that alone have more inertia than the whole.
     """
-    if wheels not in ("continuous", "fixed"):
-        raise ValueError(f'wheels must be "continuous" or "fixed", got {wheels!r}')
-    if shape not in ("sphere", "cylinder"):
-        raise ValueError(f'shape must be "sphere" or "cylinder", got {shape!r}')
+    choice(wheels, "wheels", ("continuous", "fixed"))
     p = vehicle
     across = p.wheel_inertia / 2 + p.wheel_mass * p.wheel_width**2 / 12
     x_body = body_middle(p)[0]
@@ -59,16 +56,15 @@ def rover_urdf(vehicle: Vehicle, *, wheels: str = "continuous", shape: str = "sp
     parts = [
         _link("body", body_middle(p), p.body_mass, body, f'<box size="{L!r} {W!r} {H!r}"/>'),
         *(
-            _wheel(p, name, at, wheels, shape, across)
+            _wheel(p, name, at, wheels, across)
             for name, at in zip(WHEELS, p.positions, strict=True)
         ),
     ]
     return "\n".join(['<?xml version="1.0"?>', '<robot name="rover">', *parts, "</robot>"])
 
 
-def _wheel(p: Vehicle, name: str, at: tuple, kind: str, shape: str, across: float) -> str:
-    length = f' length="{p.wheel_width!r}"' if shape == "cylinder" else ""
-    solid = f'<{shape} radius="{p.wheel_radius!r}"{length}/>'
+def _wheel(p: Vehicle, name: str, at: tuple, kind: str, across: float) -> str:
+    solid = f'<sphere radius="{p.wheel_radius!r}"/>'
     inertia = across, p.wheel_inertia, across
     x, y = (float(value) for value in at)
     return (

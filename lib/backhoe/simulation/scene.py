@@ -7,12 +7,12 @@ All numbers are our choice, made so that the machine reaches heap and truck with
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.inputs import number, numbers, positive, whole
 from backhoe.machine import Machine
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ class Heap:
     radius: float
 
     def __post_init__(self) -> None:
-        if not all(map(isfinite, (self.x, self.y, self.height, self.radius))) or self.radius <= 0:
-            raise ValueError(f"Heap needs finite numbers and a positive radius, got {self!r}")
+        numbers((self.x, self.y, self.height), "Heap.x, y and height")
+        positive(self.radius, "Heap.radius", "m")
 
     def height_at(self, x: NDArray, y: NDArray) -> NDArray:
         """Height above the flat ground at (x, y) [m], same shape as x and y."""
@@ -57,12 +57,10 @@ class Truck:
     wall: float
 
     def __post_init__(self) -> None:
-        if not all(isfinite(value) for value in vars(self).values()):
-            raise ValueError(f"Truck needs finite numbers, got {self!r}")
-        if not (self.bed_length > 0 and self.bed_width > 0 and 0 < self.floor < self.wall):
-            raise ValueError(
-                f"Truck needs a bed with positive sides and 0 < floor < wall, got {self!r}"
-            )
+        numbers((self.x, self.y), "Truck.x and y")
+        for name in ("bed_length", "bed_width", "floor"):
+            positive(getattr(self, name), f"Truck.{name}", "m")
+        number(self.wall, "Truck.wall", "m", above=self.floor)
 
 
 @dataclass(frozen=True)
@@ -80,11 +78,9 @@ class Scene:
     truck: Truck | None = None
 
     def __post_init__(self) -> None:
-        if self.rows < 2 or self.columns < 2 or not self.cell > 0:
-            raise ValueError(
-                "Scene needs at least 2 rows, 2 columns and a positive cell, "
-                f"got {self.rows}, {self.columns}, {self.cell}"
-            )
+        whole(self.rows, "Scene.rows", least=2)
+        whole(self.columns, "Scene.columns", least=2)
+        positive(self.cell, "Scene.cell", "m")
 
     def grid(self) -> tuple[NDArray, NDArray]:
         """World x and y of every height, each of shape (rows, columns) [m]."""

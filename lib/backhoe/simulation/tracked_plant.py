@@ -9,16 +9,16 @@ drives: `pose`, `twist`, `time`, `dt`, `step(v, omega)`, `reset()`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, isfinite, sin
-from numbers import Real
+from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import function, number, numbers
 from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation.backends import open_world
+from backhoe.simulation.clock import STEP, ticks
 from backhoe.simulation.hold import Hold
 from backhoe.simulation.scene import FLAT, Scene
 from backhoe.vehicle.tracking import Limits
@@ -64,11 +64,9 @@ class TrackedPlant:
         scene: Scene = FLAT,
         pose: ArrayLike | None = None,
     ) -> None:
-        from backhoe.simulation.loop import STEP  # compiled when it is needed
-
-        if isinstance(controller, type) or not (controller is None or callable(controller)):
-            raise TypeError(f"controller must be a function or an object: {_CALL}")
-        self._ticks = _whole_multiple(dt, STEP if world is None else world.dt)
+        if controller is not None:
+            function(controller, "controller", _CALL)
+        self._ticks = ticks(dt, STEP if world is None else world.dt)
         self._opened = world is None
         if world is None:
             start = POSTURE if posture is None else posture
@@ -139,9 +137,9 @@ class TrackedPlant:
                 finite forces.
             RuntimeError: the simulation is closed, or the machine ran away.
         """
-        if not (isfinite(v) and isfinite(omega)):
-            raise ValueError(f"v and omega must be finite, got {v!r} m/s and {omega!r} rad/s")
-        forces = self._ask(float(v), float(omega))
+        v, omega = number(v, "v", "m/s"), number(omega, "omega", "rad/s")
+        pair = self.controller(v, omega, *self.twist.tolist(), self.dt)
+        forces = numbers(pair, "forces", (2,), meaning=f"two: {_CALL}")
         world, hold = self.world, self._hold
         for _ in range(self._ticks):
             world.step(hold(world.q, world.dq), traction=forces)
@@ -166,19 +164,3 @@ class TrackedPlant:
 
     def __exit__(self, *error: object) -> None:
         self.close()
-
-    def _ask(self, v: float, omega: float) -> NDArray:
-        pair = self.controller(v, omega, *self.twist.tolist(), self.dt)
-        forces = real_array(pair, f"the controller must return 2 forces, it is {_CALL}")
-        if forces.shape != (2,) or not np.isfinite(forces).all():
-            raise ValueError(f"the controller must return 2 finite forces, got {pair!r}: {_CALL}")
-        return forces
-
-
-def _whole_multiple(dt: float, step: float) -> int:
-    if not isinstance(dt, Real) or isinstance(dt, bool) or not isfinite(dt):
-        raise ValueError(f"dt must be a time in s, got {dt!r}")
-    ticks = round(dt / step)
-    if ticks < 1 or abs(ticks * step - dt) > 1e-9:
-        raise ValueError(f"dt must be a whole multiple of the world's step {step} s, got {dt!r}")
-    return ticks

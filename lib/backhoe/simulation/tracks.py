@@ -8,13 +8,13 @@ A belt runs at a given speed (`run_belts`), or as a mass between drive, rolling 
 ground (`drive_belts`). The patches share the weight equally: by its printed masses the machine
 stands on the front of its tracks when the arm is stretched, and two patches that carry all would
 turn almost without slip.
-Lengths in m, speeds in m/s, forces in N; vehicle frame (x forward, y left).
+Lengths in m, speeds in m/s, forces in N; vehicle frame (x forward, y left). `engine` has the same
+functions compiled.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from backhoe.machine import Machine
@@ -35,88 +35,76 @@ FADING = 0.1
 
 
 def patch_positions(machine: Machine) -> NDArray:
-    """Middle of each patch in the vehicle frame, left track first, rear to front, shape (14, 2)."""
+    """Middle of each patch in the vehicle frame, left track first, rear to front, (14, 2) [m]."""
     tracks = machine.tracks
     x = ((np.arange(PATCHES_PER_TRACK) + 0.5) / PATCHES_PER_TRACK - 0.5) * tracks.length
     left = np.c_[x, np.full_like(x, tracks.gauge / 2)]
     return np.vstack([left, left * [1, -1]])
 
 
-@njit(cache=True)
-def run_belts(belts, command, max_speed, acceleration, dt):
-    """Let the belts' speeds (2,) follow `command` as fast as `acceleration` allows, in place."""
+def run_belts(belt, belts, command, dt):
+    """Let the belts' speeds (2,) follow `command` (2,) as fast as they can in dt [s], in place."""
+    _, _, _, top_speed, acceleration = belt
     for side in range(2):
-        wanted = min(max(command[side], -max_speed), max_speed)
-        change = min(max(wanted - belts[side], -acceleration * dt), acceleration * dt)
-        belts[side] += change
+        wanted = min(max(command[side], -top_speed), top_speed)
+        most = acceleration * dt
+        belts[side] += min(max(wanted - belts[side], -most), most)
 
 
-@njit(cache=True)
-def drive_belts(belts, traction, pull, weight, rolling, belt_mass, max_traction, max_speed, dt):
+def drive_belts(belt, belts, traction, pull, weight, dt):
     """Let the belts' speeds (2,) move under the forces on them over one step, in place.
 
     A belt is driven at its sprocket, pushed back by the ground and held back by rolling resistance,
-    which passes smoothly through zero at `ROLLING_SMOOTHING`. The drive gives at most
-    `max_traction`, and fades out over the last `FADING` of the belt's largest speed.
+    which passes smoothly through zero at `ROLLING_SMOOTHING`. The drive gives at most its largest
+    force, and fades out over the last `FADING` of the belt's largest speed.
 
     Args:
+        belt: as in `forces.Numbers`.
         belts: speeds of the left and right belt, shape (2,) [m/s]; brought forward in place.
         traction: wanted driving forces, shape (2,) [N]; replaced by what the drives give.
         pull: forward force of the ground on each track, shape (2,) [N].
         weight: that presses the tracks on the ground [N]; negative counts as none.
-        rolling: rolling resistance over weight.
-        belt_mass: equivalent mass of one belt [kg].
-        max_traction: largest driving force of a track [N].
-        max_speed: of a belt [m/s].
         dt: step [s].
     """
+    mass, rolling, most, top_speed, _ = belt
     resistance = rolling * max(weight, 0.0) / 2
     for side in range(2):
         speed = belts[side]
-        given = min(max(traction[side], -max_traction), max_traction)
+        given = min(max(traction[side], -most), most)
         if given * speed > 0.0:
-            given *= min(max((1.0 - abs(speed) / max_speed) / FADING, 0.0), 1.0)
+            given *= min(max((1.0 - abs(speed) / top_speed) / FADING, 0.0), 1.0)
         traction[side] = given
         held = resistance * np.tanh(speed / ROLLING_SMOOTHING)
-        belts[side] += dt / belt_mass * (given - held - pull[side])
+        belts[side] += dt / mass * (given - held - pull[side])
 
 
-@njit(cache=True)
-def friction(patches, weight, belts, velocity, yaw_rate, along, across, dt, sheared):
-    """Force and yaw moment of the ground on the tracks, over one step; arguments as `shear`."""
-    pull = np.empty(2)
-    return shear(patches, weight, belts, velocity, yaw_rate, along, across, dt, sheared, pull)
-
-
-@njit(cache=True)
-def shear(patches, weight, belts, velocity, yaw_rate, along, across, dt, sheared, pull):
+def shear(numbers, weight, twist, belts, sheared, dt):
     """Force and yaw moment of the ground on the tracks, over one step, and its part on each belt.
 
     Args:
-        patches: positions, shape (n, 2), left track first [m].
+        numbers: a `forces.Numbers`, of which `patches` and `friction` count.
         weight: that presses the tracks on the ground [N]; negative counts as none.
+        twist: velocity of the vehicle's origin along x and y of its own frame [m/s], yaw rate
+            [rad/s].
         belts: speeds of the left and right belt [m/s].
-        velocity: of the vehicle's origin in its own frame, shape (2,) [m/s].
-        yaw_rate: of the vehicle [rad/s].
-        along, across: friction coefficients along and across the belts.
-        dt: step [s].
         sheared: shear of each patch in units of `SHEAR`, shape (n, 2); brought forward in place.
-        pull: forward force of the ground on the left and right track, shape (2,) [N], filled in.
+        dt: step [s].
 
     Returns:
-        Force along x and y [N] and moment about z [N m], in the vehicle frame.
+        Force along x and y [N] and moment about z [N m], in the vehicle frame; forward force on the
+        left and right track, shape (2,) [N].
     """
+    patches, (along, across) = numbers.patches, numbers.friction
     n = len(patches)
     row = n // 2
     load = max(weight, 0.0) / n
-    force_x, force_y, moment = 0.0, 0.0, 0.0
+    force_x, force_y, moment, pull = 0.0, 0.0, 0.0, np.zeros(2)
     for side in range(2):
-        pull[side] = 0.0
-        _move_on(sheared, side * row, row, belts[side] * dt / (patches[1, 0] - patches[0, 0]))
+        move_on(sheared, side * row, row, belts[side] * dt / (patches[1, 0] - patches[0, 0]))
         for i in range(side * row, (side + 1) * row):
             x, y = patches[i, 0], patches[i, 1]
-            slip_x = velocity[0] - yaw_rate * y - belts[side]
-            slip_y = velocity[1] + yaw_rate * x
+            slip_x = twist[0] - twist[2] * y - belts[side]
+            slip_y = twist[1] + twist[2] * x
             shear_x = sheared[i, 0] + slip_x * dt / SHEAR
             shear_y = sheared[i, 1] + slip_y * dt / SHEAR
             over = max(np.sqrt(shear_x**2 + shear_y**2), 1.0)
@@ -130,11 +118,10 @@ def shear(patches, weight, belts, velocity, yaw_rate, along, across, dt, sheared
             force_y += fy
             pull[side] += fx
             moment += x * fy - y * fx
-    return force_x, force_y, moment
+    return (force_x, force_y, moment), pull
 
 
-@njit(cache=True)
-def _move_on(sheared, first, row, share):
+def move_on(sheared, first, row, share):
     """Carry the shear of one track's patches on by `share` of a patch: fresh soil enters."""
     if share > 0.0:
         for i in range(first, first + row):

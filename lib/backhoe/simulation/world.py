@@ -10,11 +10,11 @@ from __future__ import annotations
 import tempfile
 from math import pi, radians
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.inputs import number, numbers, whole
 from backhoe.machine import JOINTS, Machine
 from backhoe.simulation import bullet
 from backhoe.simulation.loop import Loop
@@ -36,43 +36,21 @@ class BulletWorld(Loop):
 
     def _open(self) -> None:
         self._renderer = self._rays = None
-        self._engine = bullet.pybullet()
-        self._client = bullet.connect()
-        engine, client = self._engine, self._client
-        engine.setTimeStep(self.dt, physicsClientId=client)
-        engine.setGravity(0, 0, -self.machine.gravity, physicsClientId=client)
+        self._server = bullet.Server()
+        self._server.setTimeStep(self.dt)
+        self._server.setGravity(0, 0, -self.machine.gravity)
         with tempfile.TemporaryDirectory() as folder:
             hulls = _write_hulls(self.machine, Path(folder)) if self.scene.truck else {}
-            path = Path(folder) / "backhoe.urdf"
-            path.write_text(urdf(self.machine, hulls, self.base))
-            self._body = engine.loadURDF(
-                str(path),
-                useFixedBase=True,
-                flags=engine.URDF_USE_INERTIA_FROM_FILE,
-                physicsClientId=client,
-            )
+            text = urdf(self.machine, hulls, self.base)
+            self._body = self._server.load_urdf(text, useFixedBase=True)
         for lower, upper in truck_boxes(self.scene.truck):
-            _add_box(engine, client, lower, upper)
-        self._joint = _joints_by_name(engine, self._body, client)
-        for index in (-1, *self._joint.values()):
-            engine.changeDynamics(
-                self._body,
-                index,
-                linearDamping=0,
-                angularDamping=0,
-                jointDamping=0,
-                physicsClientId=client,
-            )
+            _add_box(self._server, lower, upper)
+        self._server.free(self._body)
+        self._joint = self._server.joints(self._body)
         moving = ALL_JOINTS if self.base == "tracks" else JOINTS
         self._moving = [self._joint[name] for name in moving]
         self._first = len(ALL_JOINTS) - len(moving)
-        engine.setJointMotorControlArray(
-            self._body,
-            self._moving,
-            engine.VELOCITY_CONTROL,
-            forces=[0.0] * len(moving),
-            physicsClientId=client,
-        )
+        self._server.switch_off(self._body, self._moving)
 
     def render(
         self,
@@ -101,14 +79,13 @@ class BulletWorld(Loop):
             RuntimeError: the simulation is closed.
         """
         self._check_open()
-        for name, value in (("width", width), ("height", height), ("samples", samples)):
-            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-                raise ValueError(f"{name} must be a whole number, 1 or more, got {value!r}")
-        if not 0 < field_of_view < pi:
-            raise ValueError(f"field_of_view must be between 0 and pi rad, got {field_of_view!r}")
-        eye, target = np.asarray(eye, dtype=float), np.asarray(target, dtype=float)
-        if eye.shape != (3,) or target.shape != (3,) or not np.isfinite([eye, target]).all():
-            raise ValueError(f"eye and target must be finite (x, y, z), got {eye} and {target}")
+        width, height = whole(width, "width", least=1), whole(height, "height", least=1)
+        samples = whole(samples, "samples", least=1)
+        field_of_view = number(field_of_view, "field_of_view", "rad", above=0.0, below=pi)
+        eye, target = (
+            numbers(point, name, (3,), meaning="x, y, z [m]")
+            for point, name in ((eye, "eye"), (target, "target"))
+        )
         if np.allclose(eye[:2], target[:2]):
             raise ValueError("eye must not be straight above, below or at the target")
         if self._renderer is None:
@@ -132,14 +109,8 @@ class BulletWorld(Loop):
             RuntimeError: the simulation is closed.
         """
         self._check_open()
-        end = np.asarray(end, dtype=float)
-        start = np.asarray(start, dtype=float)
-        if end.ndim != 2 or end.shape[1] != 3 or start.shape not in ((3,), end.shape):
-            raise ValueError(
-                f"rays go from (3,) or (n, 3) to (n, 3) points, got {start.shape} and {end.shape}"
-            )
-        if not (np.isfinite(start).all() and np.isfinite(end).all()):
-            raise ValueError("rays must start and end at finite points")
+        end = numbers(end, "end", ("n", 3), meaning="x, y, z [m]")
+        start = numbers(start, "start", (3,) if np.ndim(start) == 1 else end.shape)
         if self._rays is None:
             from backhoe.simulation.rays import Rays
 
@@ -150,53 +121,40 @@ class BulletWorld(Loop):
         for view in (self._renderer, self._rays):
             if view is not None:
                 view.close()
-        self._engine.disconnect(physicsClientId=self._client)
+        self._server.disconnect()
 
-    def _integrate(self, pushed: NDArray) -> None:
-        engine, client = self._engine, self._client
-        engine.setJointMotorControlArray(
-            self._body,
-            self._moving,
-            engine.TORQUE_CONTROL,
-            forces=pushed[self._first :].tolist(),
-            physicsClientId=client,
-        )
-        engine.stepSimulation(physicsClientId=client)
+    def _integrate(self) -> None:
+        self._server.push(self._body, self._moving, self._state.forces[self._first :])
         self._read()
 
     def _read(self) -> None:
-        states = self._engine.getJointStates(self._body, self._moving, physicsClientId=self._client)
-        angles, rates, *_ = zip(*states, strict=True)
-        held = (0.0,) * self._first
-        self._q, self._dq = np.array(held + angles), np.array(held + rates)
+        angles, rates, *_ = zip(*self._server.getJointStates(self._body, self._moving), strict=True)
+        self._state.q[self._first :], self._state.dq[self._first :] = angles, rates
 
     def _place(self, q: NDArray, dq: NDArray) -> None:
+        super()._place(q, dq)
         for index, angle, speed in zip(
             self._moving, q[self._first :], dq[self._first :], strict=True
         ):
-            self._engine.resetJointState(
-                self._body, index, angle, speed, physicsClientId=self._client
-            )
+            self._server.resetJointState(self._body, index, angle, speed)
         self._read()
 
     def _engine_snapshot(self) -> int:
-        return self._engine.saveState(physicsClientId=self._client)
+        return self._server.saveState()
 
     def _engine_restore(self, state: int) -> None:
-        self._engine.restoreState(stateId=state, physicsClientId=self._client)
+        self._server.restoreState(stateId=state)
 
     def _engine_forget(self, state: int) -> None:
         if not self._closed:
-            self._engine.removeState(state, physicsClientId=self._client)
+            self._server.removeState(state)
 
     def _carry(self, payload: float) -> None:
-        inertia = self.machine.bucket.inertia
-        self._engine.changeDynamics(
+        self._server.changeDynamics(
             self._body,
             self._joint["bucket"],
             mass=self.machine.bucket.mass + payload,
-            localInertiaDiagonal=(inertia, inertia, inertia),
-            physicsClientId=self._client,
+            localInertiaDiagonal=[self.machine.bucket.inertia] * 3,
         )
 
 
@@ -222,20 +180,10 @@ def _write_hulls(machine: Machine, folder: Path) -> dict[str, Path]:
     return files
 
 
-def _add_box(engine: ModuleType, client: int, lower: NDArray, upper: NDArray) -> None:
+def _add_box(server: bullet.Server, lower: NDArray, upper: NDArray) -> None:
     """A box that stands still, between two corners (3,) [m]."""
-    shape = engine.createCollisionShape(
-        engine.GEOM_BOX, halfExtents=((upper - lower) / 2).tolist(), physicsClientId=client
+    half = ((upper - lower) / 2).tolist()
+    shape = server.createCollisionShape(server.GEOM_BOX, halfExtents=half)
+    server.createMultiBody(
+        baseCollisionShapeIndex=shape, basePosition=((upper + lower) / 2).tolist()
     )
-    engine.createMultiBody(
-        baseCollisionShapeIndex=shape,
-        basePosition=((upper + lower) / 2).tolist(),
-        physicsClientId=client,
-    )
-
-
-def _joints_by_name(engine: ModuleType, body: int, client: int) -> dict[str, int]:
-    return {
-        engine.getJointInfo(body, index, physicsClientId=client)[1].decode(): index
-        for index in range(engine.getNumJoints(body, physicsClientId=client))
-    }

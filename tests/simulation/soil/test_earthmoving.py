@@ -111,13 +111,13 @@ def test_every_parameter_has_a_unit_and_a_source():
 @pytest.mark.parametrize(
     "change, message",
     [
-        ({"density": 0.0}, "density must be positive"),
-        ({"density": "heavy"}, "density must be a finite number"),
-        ({"cohesion": -1.0}, "cohesion must be positive"),
-        ({"friction": float("nan")}, "friction must be a finite number"),
-        ({"repose": radians(50)}, "repose must be below 45 degrees"),
+        ({"density": 0.0}, "soil density must be one number above 0"),
+        ({"density": "heavy"}, "soil density must be one number above 0"),
+        ({"cohesion": -1.0}, "soil cohesion must be one number at least 0"),
+        ({"friction": float("nan")}, "soil friction must be one number above 0"),
+        ({"repose": radians(50)}, "soil repose must be one number below 0.785"),
         ({"tool_friction": radians(40)}, "tool_friction must not exceed friction"),
-        ({"spill_rate": 0.0}, "spill_rate must be positive"),
+        ({"spill_rate": 0.0}, "soil spill_rate must be one number above 0"),
     ],
 )
 def test_bad_parameters_are_refused(change, message):

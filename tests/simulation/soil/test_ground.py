@@ -1,4 +1,4 @@
-from math import cos, pi, radians, sin, tan
+from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
@@ -48,6 +48,11 @@ def truck(cell=0.08):
 
 def flat():
     return Terrain.flat((2.0, 9.0), (-2.0, 2.0), 0.08)
+
+
+def stands(heights):
+    """Whether nothing slides in a new terrain of these heights."""
+    return Terrain(heights, 0.08).relax(LOAM.repose) == 0
 
 
 STROKE = [
@@ -110,8 +115,7 @@ def test_volume_is_constant_at_every_tick_of_random_digging(ground):
 def test_dug_slopes_settle_to_the_angle_of_repose_once_the_bucket_has_gone(ground):
     drive(ground, STROKE, 1.5)
     drive(ground, STROKE[-1:] * 2, 3.0)
-    assert ground.terrain.settled
-    assert ground.terrain.steepness().max() <= tan(LOAM.repose) * 1.006
+    assert ground.terrain.settled and stands(ground.terrain.heights)
 
 
 @pytest.mark.parametrize("speed", [0.3, 2.0, 9.0])
@@ -144,9 +148,9 @@ def test_a_shell_pressed_down_leaves_its_print_and_the_soil_beside_it():
     ground = Ground(flat(), hold=HOLD)
     deepest = -0.15
     drive(ground, [(5.0, 1.0, LEVEL, 0.0), (5.0, deepest - BELLY, LEVEL, 0.0)], 2.0)
-    give = ground._strength.give
+    sinkage = ground._strength.sinkage
     assert ground.bucket_volume == 0
-    assert deepest < ground.terrain.heights.min() < deepest + give + 0.02
+    assert deepest < ground.terrain.heights.min() < deepest + sinkage + 0.02
     assert ground.terrain.heights.max() > 0.05
     assert ground.total_volume == pytest.approx(0, abs=1e-12)
 
@@ -229,7 +233,7 @@ def test_an_overfull_truck_keeps_its_heap_and_spills_beside(ground):
     walls = np.ones(bed.heights.shape, dtype=bool)
     walls[1:-1, 1:-1] = False
     assert (bed.heights[walls] == 1.9).all()
-    assert bed.steepness()[1:-1, 1:-1].max() <= tan(LOAM.repose) * 1.0051
+    assert stands(bed.heights[1:-1, 1:-1])
     _, y = ground.terrain.grid()
     assert ground.terrain.heights[y > 3.0].sum() * 0.08**2 > 5.0
 
@@ -433,15 +437,15 @@ LYING = np.array([[1.0, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 2], [0, 0, 0, 1]])
 @pytest.mark.parametrize(
     "T, velocity, dt, message",
     [
-        (np.eye(3), np.zeros(3), DT, r"shape \(4, 4\), got shape \(3, 3\)"),
+        (np.eye(3), np.zeros(3), DT, r"T_tip must have shape \(4, 4\), got shape \(3, 3\)"),
         (np.full((4, 4), np.nan), np.zeros(3), DT, "T_tip must be finite"),
         (tip_pose(5, np.nan, 0.0), np.zeros(3), DT, "T_tip must be finite"),
         (2 * tip_pose(5, 2, 0.0), np.zeros(3), DT, "must be a rotation"),
         (LYING, np.zeros(3), DT, "across an upright arm"),
         (tip_pose(5, 2, 0.0), np.zeros(4), DT, r"tip_velocity must have shape \(3,\)"),
         (tip_pose(5, 2, 0.0), [0, np.inf, 0], DT, "tip_velocity must be finite"),
-        (tip_pose(5, 2, 0.0), np.zeros(3), 0.0, "dt must be a positive"),
-        (tip_pose(5, 2, 0.0), np.zeros(3), np.nan, "dt must be a positive"),
+        (tip_pose(5, 2, 0.0), np.zeros(3), 0.0, "dt must be one number above 0"),
+        (tip_pose(5, 2, 0.0), np.zeros(3), np.nan, "dt must be one number above 0"),
     ],
 )
 def test_bad_motion_is_refused_before_soil_moves(ground, T, velocity, dt, message):
@@ -459,11 +463,11 @@ def test_bad_positions_are_refused_by_force(ground):
 
 
 def test_a_ground_of_bad_parts_is_refused():
-    with pytest.raises(TypeError, match=r"terrain must be a soil\.Terrain, got ndarray"):
+    with pytest.raises(TypeError, match="terrain must be a Terrain, got ndarray"):
         Ground(np.zeros((10, 10)))
-    with pytest.raises(TypeError, match=r"bed must be a soil\.Terrain or None"):
+    with pytest.raises(TypeError, match="bed must be a Terrain, got int"):
         Ground(flat(), bed=3)
-    with pytest.raises(ValueError, match="hold must be a positive"):
+    with pytest.raises(ValueError, match="hold must be one number above 0"):
         Ground(flat(), hold=0.0)
     with pytest.raises(ValueError, match="another scene"):
         Ground(flat(), hold=HOLD).restore(Ground(heap(), truck()).snapshot())

@@ -9,8 +9,9 @@ from __future__ import annotations
 from math import atan2, cos, hypot, isfinite, pi, sin
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
+
+from backhoe.basics.inputs import numbers, real_numbers
 
 
 class BucketPose(NamedTuple):
@@ -42,13 +43,13 @@ def from_transform(T_tip: ArrayLike) -> BucketPose:
     Raises:
         ValueError: wrong shape, not finite, no rotation, or the arm's plane lies on its side.
     """
-    T = np.asarray(T_tip, dtype=float)
+    T = real_numbers(T_tip, "T_tip")
     if T.shape != (4, 4):
-        raise ValueError(f"T_tip must be a pose of shape (4, 4), got shape {T.shape}")
+        numbers(T, "T_tip", (4, 4))
     (_, _, across_x, x), (_, _, across_y, y), (x_up, y_up, z_up, z), last = T.tolist()
     level = hypot(across_x, across_y)
     if not isfinite(x + y + z + level + x_up + y_up + z_up):
-        raise ValueError("T_tip must be finite")
+        numbers(T, "T_tip", (4, 4))
     unit = x_up * x_up + y_up * y_up + z_up * z_up
     if level < 0.5 or abs(unit - 1) > 1e-6 or last != [0.0, 0.0, 0.0, 1.0]:
         raise ValueError(

@@ -6,17 +6,15 @@ goes into the bucket; what has no room there, and what the shell displaces, is l
 
 from __future__ import annotations
 
-from math import ceil, cos, hypot, inf, sin
+from math import ceil, cos, hypot, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from backhoe.machine import Shell
 from backhoe.simulation.soil.bucket_pose import BucketPose, between, distance, turn, wrapped
-from backhoe.simulation.soil.force import Contact
-from backhoe.simulation.soil.terrain import Terrain
-
-NO_CONTACT = Contact()
+from backhoe.simulation.soil.cells import turned
+from backhoe.simulation.soil.terrain import Contact, Terrain
 
 
 class Dug(NamedTuple):
@@ -31,29 +29,25 @@ class Digger:
     """A bucket's shell in the soil of one terrain.
 
     Args:
-        terrain: that it digs; changed in place.
+        terrain: that it digs.
         shell: its profile and width.
-        give: how far soil stands into the shell before it is pressed away [m].
+        sinkage: how far soil stands into the shell before it is pressed away [m].
     """
 
-    def __init__(self, terrain: Terrain, shell: Shell, give: float) -> None:
-        from backhoe.simulation.soil import kernels
-
-        self._kernels = kernels
-        self.terrain, self.give = terrain, give
+    def __init__(self, terrain: Terrain, shell: Shell, sinkage: float) -> None:
+        self.terrain, self.sinkage = terrain, sinkage
         self.half = shell.width / 2
         self.profile = np.array(shell.profile)
         self.reach = max(hypot(x, y) for x, y in shell.profile)
-        self._covered: tuple[int, int, int, int] | None = None
 
     def move(self, before: BucketPose, now: BucketPose, room: float) -> Dug:
         """Drive the shell from one pose to the next with `room` [m^3] left in the bucket."""
         if min(before.tip[2], now.tip[2]) - self.reach > self.terrain.top:
-            return Dug(0.0, 0.0, NO_CONTACT)
+            return Dug(0.0, 0.0, Contact())
         swept = abs(wrapped(now.pitch - before.pitch)) + abs(turn(before, now))
         path = distance(before, now) + swept * (self.reach + self.half)
         steps = max(ceil(path / (self.terrain.cell / 2)), 1)
-        last, taken, missed, contact = before, 0.0, 0.0, NO_CONTACT
+        last, taken, missed, contact = before, 0.0, 0.0, Contact()
         for step in range(1, steps + 1):
             here = now if step == steps else between(before, now, step / steps)
             dug = self._step(last, here, room - taken)
@@ -61,23 +55,13 @@ class Digger:
             last = here
         return Dug(taken, missed, contact)
 
-    def lift(self) -> None:
-        """Let soil flow again where the shell kept it away."""
-        if self._covered is not None:
-            i, end_i, j, end_j = self._covered
-            self.terrain.ceiling[i:end_i, j:end_j] = inf
-            self._covered = None
-
     def depth(self, now: BucketPose, cells: float) -> float:
         """Mean height of the soil above the teeth, some cells along the heading [m]."""
-        ground = self.terrain
-        return self._kernels.cut_depth(
-            ground.heights, ground.frame, now.tip, now.heading, cells * ground.cell, self.half
-        )
+        return self.terrain.depth_at(now, cells * self.terrain.cell, self.half)
 
     def lower_lip(self, now: BucketPose) -> tuple[float, float]:
         """u and height over the tip of the lip over which soil falls out [m]."""
-        u, z = self._kernels.turned(self.profile, now.pitch)
+        u, z = turned(self.profile, now.pitch)
         return (0.0, 0.0) if z[-1] >= 0 else (float(u[-1]), float(z[-1]))
 
     def before_mouth(self, now: BucketPose) -> float:
@@ -85,16 +69,11 @@ class Digger:
         return 1.5 * self.terrain.cell * now.mouth_side
 
     def _step(self, last: BucketPose, here: BucketPose, room: float) -> Dug:
-        ground = self.terrain
-        self.lift()
-        cut, pressed, area, sunk, lever, u_low, u_high, self._covered = self._kernels.dig(
-            ground.heights, ground.floor, ground.ceiling, ground.frame, ground.box,
-            self.profile, last.tip, here.tip, here.heading, here.pitch, self.half, self.give,
-        )  # fmt: skip
-        contact = Contact(area, sunk, lever) if area > 0.0 else NO_CONTACT
+        cut, pressed, contact, u_low, u_high, _ = self.terrain.dig(
+            self.profile, self.half, last, here, self.sinkage
+        )
         if cut == 0.0 and pressed == 0.0:
             return Dug(0.0, 0.0, contact)
-        ground.version += 1
         along, across, up = _displacement(last, here)
         taken = missed = 0.0
         if along * sin(here.pitch) - up * cos(here.pitch) >= 0.0:

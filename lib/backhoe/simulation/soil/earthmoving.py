@@ -11,15 +11,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import exp, hypot, isfinite, pi, radians, tan
+from math import exp, hypot, pi, radians, tan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import not_negative, number, positive, real_numbers
 
 SHALLOWEST_RAKE = radians(15)
 STEEPEST_RAKE = radians(100)
 _RAKES = np.linspace(SHALLOWEST_RAKE, STEEPEST_RAKE, 86)
 _RAKE_STEP = float(_RAKES[1] - _RAKES[0])
+
+
+SOURCES = {
+    "density": ("kg/m^3", "typical of a moist sandy loam in a spoil heap"),
+    "cohesion": ("Pa", "typical of a moist sandy loam (2 to 10 kPa)"),
+    "friction": ("rad", "typical of a sandy loam (29 to 35 degrees)"),
+    "tool_friction": ("rad", "two thirds of the internal friction, usual for soil on steel"),
+    "adhesion": ("Pa", "ours: a tenth of the cohesion"),
+    "repose": ("rad", "typical of loose earth, slightly above the internal friction"),
+    "subgrade": ("Pa/m", "low end for a loose sand; it sets how far a resting bucket sinks"),
+    "spill_rate": ("m^3/s", "ours: a full bucket empties in about a second"),
+}
 
 
 @dataclass(frozen=True)
@@ -54,18 +68,11 @@ class SoilParameters:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value, may_be_zero = getattr(self, field.name), field.name in ("cohesion", "adhesion")
-            number = isinstance(value, (int, float)) and not isinstance(value, bool)
-            if not (number and isfinite(value)):
-                raise ValueError(f"soil {field.name} must be a finite number, got {value!r}")
-            if value < 0 or (value == 0 and not may_be_zero):
-                raise ValueError(f"soil {field.name} must be positive, got {value!r}")
+            name, value = f"soil {field.name}", getattr(self, field.name)
+            check = not_negative if field.name in ("cohesion", "adhesion") else positive
+            check(value, name, SOURCES[field.name][0])
         for name in ("friction", "tool_friction", "repose"):
-            if getattr(self, name) >= pi / 4:
-                raise ValueError(
-                    f"soil {name} must be below 45 degrees (pi/4 rad), "
-                    f"got {getattr(self, name)!r} rad"
-                )
+            number(getattr(self, name), f"soil {name}", "rad", below=pi / 4)
         if self.tool_friction > self.friction:
             raise ValueError(
                 "soil tool_friction must not exceed friction: the soil would shear in "
@@ -108,17 +115,6 @@ class SoilParameters:
 
 LOAM = SoilParameters()
 
-SOURCES = {
-    "density": ("kg/m^3", "typical of a moist sandy loam in a spoil heap"),
-    "cohesion": ("Pa", "typical of a moist sandy loam (2 to 10 kPa)"),
-    "friction": ("rad", "typical of a sandy loam (29 to 35 degrees)"),
-    "tool_friction": ("rad", "two thirds of the internal friction, usual for soil on steel"),
-    "adhesion": ("Pa", "ours: a tenth of the cohesion"),
-    "repose": ("rad", "typical of loose earth, slightly above the internal friction"),
-    "subgrade": ("Pa/m", "low end for a loose sand; it sets how far a resting bucket sinks"),
-    "spill_rate": ("m^3/s", "ours: a full bucket empties in about a second"),
-}
-
 
 def wedge(alpha: ArrayLike, beta: ArrayLike, soil: SoilParameters) -> NDArray:
     """The N factors of the wedge that fails along a plane at angle beta.
@@ -136,7 +132,7 @@ def wedge(alpha: ArrayLike, beta: ArrayLike, soil: SoilParameters) -> NDArray:
     Returns:
         N_gamma, N_c, N_q, N_a, shape (..., 4) [1].
     """
-    alpha, beta = np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float)
+    alpha, beta = real_numbers(alpha, "alpha"), real_numbers(beta, "beta")
     cot_alpha, cot_beta = 1 / np.tan(alpha), 1 / np.tan(beta)
     cot_plane = 1 / np.tan(beta + soil.friction)
     tool = alpha + soil.tool_friction
@@ -159,7 +155,7 @@ def failure_angle(alpha: ArrayLike, soil: SoilParameters) -> NDArray:
     Returns:
         beta, shape (...) [rad].
     """
-    alpha = np.asarray(alpha, dtype=float)
+    alpha = real_numbers(alpha, "alpha")
     low = np.full_like(alpha, 1e-3)
     high = pi - alpha - soil.tool_friction - soil.friction - 1e-3
     golden = (5**0.5 - 1) / 2
@@ -183,7 +179,7 @@ def cutting_factors(alpha: ArrayLike, soil: SoilParameters) -> NDArray:
     Raises:
         ValueError: a rake outside 15 to 100 degrees, or not finite.
     """
-    alpha = np.asarray(alpha, dtype=float)
+    alpha = real_numbers(alpha, "alpha")
     inside = (alpha >= SHALLOWEST_RAKE - 1e-12) & (alpha <= STEEPEST_RAKE + 1e-12)
     if not inside.all():
         wrong = np.degrees(alpha[~inside]).flat[0]

@@ -13,6 +13,7 @@ from typing import NamedTuple
 from backhoe.machine import Machine
 from backhoe.simulation.soil.bucket_pose import BucketPose, wrapped
 from backhoe.simulation.soil.earthmoving import SoilParameters, bearing_capacity
+from backhoe.simulation.soil.terrain import Contact
 
 EDGE = 0.04
 """Thickness of the teeth [m]."""
@@ -22,14 +23,6 @@ CREEPING = 0.02
 """Below this speed along the heading [m/s] the soil on the mouth's side counts as ahead."""
 LIGHTER = 0.85
 """The tip feels lighter by this factor than the bucket turning alone: the other joints give way."""
-
-
-class Contact(NamedTuple):
-    """Where the shell stands on the ground: area [m^2], mean depth [m] and mean u [m]."""
-
-    area: float = 0.0
-    sunk: float = 0.0
-    lever: float = 0.0
 
 
 class Resistance(NamedTuple):
@@ -107,7 +100,7 @@ class SoilForce:
         self.stiffness = min(soil.subgrade, self.mass / (4 * hold**2 * sole))
         self.damping = 0.3 * self.mass / (hold * sole)
         self.strength = bearing_capacity(0.0, soil, self.gravity)
-        self.give = self.strength / self.stiffness
+        self.sinkage = self.strength / self.stiffness
 
     def resistance(
         self,

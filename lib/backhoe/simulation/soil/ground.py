@@ -7,23 +7,24 @@
 World frame: x forward, y left, z up. T_tip is the pose of the bucket's tip frame: origin at the
 teeth, x from the pin through the teeth, y towards the back plate, z across. What is where:
 `terrain` (the map), `digging` (the shell in the soil), `bucket_fill` (what it holds), `earthmoving`
-(strength of soil), `soil_force` (force on the bucket), `bucket_pose`, `soil_kernels` (the loops).
+(strength of soil), `force` (on the bucket), `bucket_pose`, `cells` (the loops).
 """
 
 from __future__ import annotations
 
-from math import inf, isfinite
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.inputs import instance, numbers, positive, real_numbers
 from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation.soil.bucket_fill import BucketFill
 from backhoe.simulation.soil.bucket_pose import BucketPose, distance, from_transform, wrapped
 from backhoe.simulation.soil.digging import Digger
 from backhoe.simulation.soil.earthmoving import LOAM, SoilParameters
-from backhoe.simulation.soil.force import Contact, Resistance, SoilForce
-from backhoe.simulation.soil.terrain import Terrain
+from backhoe.simulation.soil.force import Resistance, SoilForce
+from backhoe.simulation.soil.terrain import Contact, Terrain
 
 SWEEPS = 4
 """How many cells far loose soil slides in one advance."""
@@ -65,18 +66,14 @@ class Ground:
         *,
         hold: float = 0.01,
     ) -> None:
-        if not isinstance(terrain, Terrain):
-            raise TypeError(f"terrain must be a soil.Terrain, got {type(terrain).__name__}")
-        if not (bed is None or isinstance(bed, Terrain)):
-            raise TypeError(f"bed must be a soil.Terrain or None, got {type(bed).__name__}")
-        if not 0 < hold < inf:
-            raise ValueError(f"hold must be a positive time in s, got {hold!r}")
-        self.terrain, self.bed = terrain, bed
+        self.terrain = instance(terrain, "terrain", Terrain)
+        self.bed = None if bed is None else instance(bed, "bed", Terrain)
+        hold = positive(hold, "hold", "s")
         self.parameters, self.machine = parameters, machine
         self.fill = BucketFill(machine.shell, parameters.repose)
         self.bucket_volume = self.off_map_volume = self.moment = 0.0
         self._strength = SoilForce(parameters, machine, hold)
-        self._digger = Digger(terrain, machine.shell, self._strength.give)
+        self._digger = Digger(terrain, machine.shell, self._strength.sinkage)
         self._before: BucketPose | None = None
         self._felt: Resistance | None = None
         terrain.relax(parameters.repose)
@@ -121,9 +118,8 @@ class Ground:
                 not upright, or a tip that has jumped by more than 1 m (see `forget_pose`).
         """
         now = from_transform(T_tip)
-        velocity = _vector("tip_velocity", tip_velocity)
-        if not 0 < dt < inf:
-            raise ValueError(f"dt must be a positive time in s, got {dt!r}")
+        velocity = _vector(tip_velocity, "tip_velocity")
+        dt = positive(dt, "dt", "s")
         before = self._before or now
         if distance(before, now) > LONGEST_STEP:
             raise ValueError(
@@ -157,8 +153,8 @@ class Ground:
         Raises:
             ValueError: a wrong shape or a value that is not finite.
         """
-        position = _vector("tip_position", tip_position)
-        return self._answer(position[2], _vector("tip_velocity", tip_velocity))
+        position = _vector(tip_position, "tip_position")
+        return self._answer(position[2], _vector(tip_velocity, "tip_velocity"))
 
     def forget_pose(self) -> None:
         """Start a new path: the machine was put elsewhere without digging its way there."""
@@ -221,7 +217,7 @@ class Ground:
         """Let loose soil slide a few cells; the truck's overflow falls beside it."""
         repose, ground, bed = self.parameters.repose, self.terrain, self.bed
         ground.relax(repose, SWEEPS)
-        self._digger.lift()
+        ground.lift()
         if bed is not None and not bed.settled:
             bed.relax(repose, SWEEPS)
             self.off_map_volume += bed.overflow_onto(ground)
@@ -240,11 +236,9 @@ class Ground:
         return self._strength.resistance(now, velocity, contact, depth, volume, pitch_rate, before)
 
 
-def _vector(name: str, values: ArrayLike) -> tuple[float, float, float]:
-    vector = np.asarray(values, dtype=float)
-    if vector.shape != (3,):
-        raise ValueError(f"{name} must have shape (3,), got {vector.shape}")
-    x, y, z = vector.tolist()
-    if not isfinite(x + y + z):
-        raise ValueError(f"{name} must be finite, got {[x, y, z]}")
-    return x, y, z
+def _vector(values: ArrayLike, name: str) -> list[float]:
+    """Three finite numbers; the door is asked what is wrong where they are none."""
+    vector = real_numbers(values, name)
+    if vector.shape != (3,) or not isfinite(sum(vector.tolist())):
+        numbers(vector, name, (3,))
+    return vector.tolist()

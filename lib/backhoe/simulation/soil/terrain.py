@@ -6,15 +6,42 @@ soil's surface at x = origin_x + j cell, y = origin_y + i cell, and fills a colu
 
 from __future__ import annotations
 
-from math import isfinite, pi, tan
-from numbers import Real
+from functools import cache
+from math import inf, pi, tan
+from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import real_array
+from backhoe.basics.inputs import not_negative, number, numbers, positive
+from backhoe.simulation.soil.bucket_pose import BucketPose
+from backhoe.simulation.soil.cells import Cells
 
 SETTLING_SWEEPS = 20_000
+
+
+class Contact(NamedTuple):
+    """Where the shell stands on the ground: area [m^2], mean depth [m] and mean u [m]."""
+
+    area: float = 0.0
+    sunk: float = 0.0
+    lever: float = 0.0
+
+
+class Cut(NamedTuple):
+    """What a bucket's shell does in one step.
+
+    Volume cut by the edge and volume pressed out [m^3]; contact; least and greatest u of the shell
+    [m]; first row, end row, first column, end column of the cells that it covers.
+    """
+
+    cut: float
+    pressed: float
+    contact: Contact
+    u_low: float
+    u_high: float
+    covered: tuple[int, int, int, int]
 
 
 class Terrain:
@@ -27,7 +54,8 @@ class Terrain:
         floor: rigid ground under the soil, same shape as heights [m]; None for soil without end.
 
     Attributes:
-        heights: change them through the methods, or call `touch` afterwards.
+        heights, floor: to be read, shape (ny, nx) [m]; only the methods change them.
+        ceiling: above which no soil flows, because a bucket stands there, shape (ny, nx) [m].
         version: counts the changes; a drawing made at one version stays right until the next.
 
     Raises:
@@ -42,38 +70,35 @@ class Terrain:
         origin: tuple[float, float] = (0.0, 0.0),
         floor: ArrayLike | None = None,
     ) -> None:
-        self.heights = _surface("heights", heights)
-        if isinstance(cell, bool) or not isinstance(cell, Real) or not 0 < cell < np.inf:
-            raise ValueError(f"cell must be a positive length in m, got {cell!r}")
-        self.cell = float(cell)
-        corner = real_array(origin, "origin must be two numbers (x, y)")
-        if corner.shape != (2,) or not np.isfinite(corner).all():
-            raise ValueError(f"origin must be a finite (x, y), got {origin!r}")
-        self.origin = (float(corner[0]), float(corner[1]))
+        surface = np.array(numbers(heights, "heights", ("ny", "nx")), order="C")
+        if min(surface.shape) < 2:
+            raise ValueError(f"heights must have at least 2 by 2 cells, got {surface.shape}")
         self.has_floor = floor is not None
-        if floor is None:
-            self.floor = np.full_like(self.heights, -np.inf)
-        else:
-            self.floor = _surface("floor", floor)
-            if self.floor.shape != self.heights.shape:
-                raise ValueError(
-                    f"floor must have the shape of heights {self.heights.shape}, "
-                    f"got {self.floor.shape}"
-                )
-            if (self.heights < self.floor).any():
+        ground = np.full_like(surface, -inf)
+        if self.has_floor:
+            ground[:] = numbers(floor, "floor", surface.shape)
+            if (surface < ground).any():
                 raise ValueError("heights must not lie below the floor")
+        self.cell = positive(cell, "cell", "m")
+        self.origin = tuple(numbers(origin, "origin", (2,), meaning="x, y [m]").tolist())
+        box = np.array([0, surface.shape[0], 0, surface.shape[1]])
+        ceiling = np.full_like(surface, inf)
+        self._cells = Cells(surface, ground, ceiling, box, *self.origin, self.cell)
+        self._plain = tuple(self._cells)
+        self._covered: tuple[int, int, int, int] | None = None
+        self.heights, self.floor, self.ceiling = map(_to_read, (surface, ground, ceiling))
         self.version = 0
-        self.ceiling = np.full_like(self.heights, np.inf)
-        self.box = np.array([0, self.heights.shape[0], 0, self.heights.shape[1]])
         self._top = (-1, 0.0)
 
     @classmethod
     def flat(cls, x: tuple[float, float], y: tuple[float, float], cell: float) -> Terrain:
         """Level ground at z = 0 over at least x[0] to x[1] by y[0] to y[1] [m]."""
-        if not (cell > 0 and x[0] < x[1] and y[0] < y[1]):
-            raise ValueError(f"flat needs rising ranges and a positive cell, got {x}, {y}, {cell}")
-        rows, columns = (int(np.ceil((end - start) / cell)) + 1 for start, end in (y, x))
-        return cls(np.zeros((rows, columns)), cell, (x[0], y[0]))
+        (x0, x1), (y0, y1) = numbers((x, y), "x and y", (2, 2), meaning="ranges [m]").tolist()
+        if not (x0 < x1 and y0 < y1):
+            raise ValueError(f"flat needs rising ranges, got {x} and {y}")
+        cell = positive(cell, "cell", "m")
+        rows, columns = (int(np.ceil(side / cell)) + 1 for side in (y1 - y0, x1 - x0))
+        return cls(np.zeros((rows, columns)), cell, (x0, y0))
 
     @classmethod
     def bed(
@@ -98,23 +123,21 @@ class Terrain:
         Raises:
             ValueError: a size is not positive, or the wall is not above the floor.
         """
-        if not (min(length, width, cell) > 0 and floor < wall):
-            raise ValueError(
-                "a bed needs positive length, width and cell and its wall above its floor, "
-                f"got {length}, {width}, {cell}, floor {floor}, wall {wall}"
-            )
+        sizes = {"length": length, "width": width, "cell": cell}
+        length, width, cell = (positive(size, name, "m") for name, size in sizes.items())
+        floor = number(floor, "floor", "m")
+        wall = number(wall, "wall", "m", above=floor)
         rows, columns = (round(side / cell) for side in (width, length))
         if min(rows, columns) < 2:
             raise ValueError(f"a bed needs at least 2 cells a side, got {rows} by {columns}")
-        surface = np.full((rows + 2, columns + 2), float(wall))
+        surface = np.full((rows + 2, columns + 2), wall)
         surface[1:-1, 1:-1] = floor
         corner = (centre[0] - (columns + 1) / 2 * cell, centre[1] - (rows + 1) / 2 * cell)
         return cls(surface, cell, corner, floor=surface)
 
     def with_heap(self, x: float, y: float, height: float, radius: float) -> Terrain:
         """The same ground with a cone of `height` and `radius` [m] at (x, y) on top."""
-        if not (height >= 0 and radius > 0):
-            raise ValueError(f"a heap needs height >= 0 and radius > 0, got {height}, {radius}")
+        height, radius = not_negative(height, "height", "m"), positive(radius, "radius", "m")
         grid_x, grid_y = self.grid()
         distance = np.hypot(grid_x - x, grid_y - y)
         heap = height * np.maximum(1 - distance / radius, 0.0)
@@ -129,11 +152,6 @@ class Terrain:
         return tuple(np.meshgrid(x, y))
 
     @property
-    def frame(self) -> tuple[float, float, float]:
-        """Position of the first height and the spacing, (x, y, cell) [m]."""
-        return (*self.origin, self.cell)
-
-    @property
     def volume(self) -> float:
         """Soil above the floor, or above z = 0 where there is none [m^3]."""
         thickness = self.heights - self.floor if self.has_floor else self.heights
@@ -145,12 +163,6 @@ class Terrain:
         if self._top[0] != self.version:
             self._top = (self.version, float(self.heights.max()))
         return self._top[1]
-
-    def contains(self, x: float, y: float) -> bool:
-        """True where (x, y) [m] lies on the map."""
-        rows, columns = self.heights.shape
-        a, b = (x - self.origin[0]) / self.cell, (y - self.origin[1]) / self.cell
-        return 0 <= a <= columns - 1 and 0 <= b <= rows - 1
 
     def height_at(self, points: ArrayLike) -> NDArray:
         """Height of the surface, bilinear between the cells.
@@ -164,9 +176,7 @@ class Terrain:
         Raises:
             ValueError: last axis is not 2, or a point is off the map or not finite.
         """
-        points = np.asarray(points, dtype=float)
-        if points.ndim == 0 or points.shape[-1] != 2:
-            raise ValueError(f"points must end in 2 (x, y), got shape {points.shape}")
+        points = numbers(points, "points", (..., 2), meaning="x, y [m]", finite=False)
         at = (points - self.origin) / self.cell
         last = np.array(self.heights.shape[::-1]) - 1
         inside = ((at >= 0) & (at <= last)).all(axis=-1)
@@ -179,42 +189,53 @@ class Terrain:
         far = (1 - a) * h[i + 1, j] + a * h[i + 1, j + 1]
         return (1 - b) * near + b * far
 
-    def deposit(self, x: float, y: float, volume: float, spread: float = 0.2) -> None:
-        """Drop a volume in a mound of radius `spread` [m] around (x, y), cut off at the map's rim.
+    def depth_at(self, here: BucketPose, u: float, half: float) -> float:
+        """Mean depth of the tip below the soil on a line across, 2 `half` wide, at u [m]."""
+        return _engine().cut_depth(self._plain, tuple(here), u, half)
 
-        Raises:
-            ValueError: volume [m^3] is negative or not finite, spread is not positive, or (x, y)
-                is off the map.
+    def dig(
+        self, profile: NDArray, half: float, last: BucketPose, here: BucketPose, sinkage: float
+    ) -> Cut:
+        """Move a bucket's shell a step of less than a cell through the soil.
+
+        Args:
+            profile: of the shell, in its tip frame, shape (n, 2) [m].
+            half: half its width [m].
+            last, here: its poses before and after the step.
+            sinkage: how far soil stands into the shell before it is pressed away [m].
+
+        Returns:
+            What is taken out of the ground. Where the shell stands no soil flows until `lift`.
         """
-        if not (isfinite(volume) and volume >= 0):
-            raise ValueError(f"volume must be finite and not negative, got {volume!r} m^3")
-        if not spread > 0:
-            raise ValueError(f"spread must be positive, got {spread!r} m")
-        if not self.contains(x, y):
-            raise ValueError(f"deposit at ({x}, {y}) m is off the map")
-        grid_x, grid_y = self.grid()
-        apart = np.hypot(grid_x - x, grid_y - y)
-        weight = np.maximum(1 - (apart / max(spread, 1.5 * self.cell)) ** 2, 0.0)
-        self.heights += weight * (volume / (weight.sum() * self.cell**2))
-        self.touch()
+        self.lift()
+        cut, pressed, contact, *span, self._covered = _engine().dig(
+            self._plain, profile, half, tuple(last), tuple(here), sinkage
+        )
+        self.version += cut > 0.0 or pressed > 0.0
+        return Cut(cut, pressed, Contact(*contact), *span, self._covered)
+
+    def lift(self) -> None:
+        """Let soil flow again where the shell kept it away."""
+        if self._covered is not None:
+            i, end_i, j, end_j = self._covered
+            self._cells.ceiling[i:end_i, j:end_j] = inf
+            self._covered = None
 
     def lay(
         self,
         start: tuple[float, float],
         end: tuple[float, float],
         volume: float,
-        from_height: float = np.inf,
+        from_height: float = inf,
     ) -> float:
-        """Lay a volume evenly along the line from `start` to `end`.
+        """Lay a volume [m^3] evenly along the line from `start` to `end`, (x, y) each [m].
 
         Returns:
             The part that found no place: beside the map, or over soil above `from_height` [m^3].
         """
         if volume <= 0:
             return volume
-        from backhoe.simulation.soil.kernels import lay
-
-        missed = lay(self.heights, self.frame, self.box, start, end, from_height, volume)
+        missed = _engine().lay(self._plain, start, end, from_height, volume)
         self.version += missed < volume
         return missed
 
@@ -224,12 +245,7 @@ class Terrain:
         Returns:
             What fell beside the ground's map [m^3].
         """
-        from backhoe.simulation.soil.kernels import overflow
-
-        fell, missed = overflow(
-            self.heights, self.floor, self.frame, self.box,
-            ground.heights, ground.frame, ground.box,
-        )  # fmt: skip
+        fell, missed = _engine().overflow(self._plain, ground._plain)
         self.version += fell > 0
         ground.version += fell > missed
         return missed
@@ -240,63 +256,44 @@ class Terrain:
         Raises:
             ValueError: repose is not between 0 and 90 degrees.
         """
-        if not 0 < repose < pi / 2:
-            raise ValueError(f"repose must lie between 0 and pi/2 rad, got {repose!r}")
         if self.settled:
             return 0
-        from backhoe.simulation.soil.kernels import relax
-
-        limit = tan(repose) * self.cell
-        used = relax(self.heights, self.floor, self.ceiling, self.box, limit, sweeps)
+        repose = number(repose, "repose", "rad", above=0.0, below=pi / 2)
+        used = _engine().relax(self._plain, tan(repose) * self.cell, sweeps)
         self.version += used > 0
         return used
 
     @property
     def settled(self) -> bool:
         """True when no slope is left to look at."""
-        first_row, end_row, first_column, end_column = self.box.tolist()
+        first_row, end_row, first_column, end_column = self._cells.box.tolist()
         return first_row >= end_row or first_column >= end_column
 
-    def steepness(self) -> NDArray:
-        """Length of the downhill gradient of each cell, shape (ny, nx) [1]: what slides."""
-        h = self.heights
-        drop = np.zeros((2, *h.shape))
-        for axis in (0, 1):
-            fall = np.diff(h, axis=axis)
-            head = tuple(slice(None, -1) if a == axis else slice(None) for a in (0, 1))
-            tail = tuple(slice(1, None) if a == axis else slice(None) for a in (0, 1))
-            np.maximum(drop[axis][head], -fall, out=drop[axis][head])
-            np.maximum(drop[axis][tail], fall, out=drop[axis][tail])
-        return np.hypot(*drop) / self.cell
-
-    def touch(self) -> None:
-        """Say that heights were changed: the next `relax` looks at the whole map."""
-        self.version += 1
-        self.box[:] = 0, self.heights.shape[0], 0, self.heights.shape[1]
-
     def snapshot(self) -> dict[str, NDArray]:
-        """A copy of what changes."""
-        return {"heights": self.heights.copy(), "box": self.box.copy()}
+        """A copy of what changes: heights, shape (ny, nx) [m], and where soil may still slide."""
+        return {"heights": self.heights.copy(), "box": self._cells.box.copy()}
 
     def restore(self, snapshot: dict[str, NDArray]) -> None:
-        """Return to a snapshot of this terrain; counts as a change.
+        """Return to a snapshot of this terrain, shape (ny, nx) [m]; counts as a change.
 
         Raises:
             ValueError: the snapshot is of a map of another shape.
         """
-        if snapshot["heights"].shape != self.heights.shape:
-            raise ValueError(
-                f"snapshot is of a map {snapshot['heights'].shape}, "
-                f"this one is {self.heights.shape}"
-            )
-        self.heights[:], self.box[:] = snapshot["heights"], snapshot["box"]
+        heights = numbers(snapshot["heights"], "the snapshot's heights", self.heights.shape)
+        self._cells.heights[:], self._cells.box[:] = heights, snapshot["box"]
         self.version += 1
 
 
-def _surface(name: str, values: ArrayLike) -> NDArray:
-    surface = np.array(real_array(values, f"{name} must be numbers"), order="C")
-    if surface.ndim != 2 or min(surface.shape) < 2:
-        raise ValueError(f"{name} must be (ny, nx) with at least 2 by 2 cells, got {surface.shape}")
-    if not np.isfinite(surface).all():
-        raise ValueError(f"{name} must be finite")
-    return surface
+def _to_read(array: NDArray) -> NDArray:
+    """The same cells without leave to write."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+@cache
+def _engine() -> ModuleType:
+    """The compiled loops, loaded when soil moves."""
+    from backhoe.simulation.soil import engine
+
+    return engine

@@ -53,14 +53,10 @@ def follow(world, seconds):
 
 def bare(world, seconds):
     """PyBullet's own step with constant torques and nothing read; seconds for each stretch."""
-    engine, client, body = world._engine, world._client, world._body
-    hold = world._forces.tolist()
+    server, body, hold = world._server, world._body, world._state.forces
     times = [process_time()]
     for step in range(round(seconds / world.dt)):
-        engine.setJointMotorControlArray(
-            body, world._moving, engine.TORQUE_CONTROL, forces=hold, physicsClientId=client
-        )
-        engine.stepSimulation(physicsClientId=client)
+        server.push(body, world._moving, hold)
         if (step + 1) % STRETCH == 0:
             times.append(process_time())
     return np.diff(times)
@@ -79,7 +75,7 @@ def picture(shadow):
     times = []
     with simulation.open_world(backend="pybullet") as world:
         for _ in range(RUNS + 1):
-            world.ground.terrain.touch()
+            world.ground.terrain.restore(world.ground.terrain.snapshot())
             start = process_time()
             world.render(640, 480, shadow=shadow)
             times.append(process_time() - start)

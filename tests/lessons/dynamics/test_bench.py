@@ -59,9 +59,9 @@ def test_without_pybullet_one_line_says_so_and_the_fall_is_the_same(monkeypatch,
 
 
 def test_bad_input_is_refused():
-    with pytest.raises(ValueError, match="4 joints"):
+    with pytest.raises(ValueError, match=r"q must be joints .* got shape \(2,\)"):
         bench.let_go([0.0, 0.0], TORQUE, 1.0)
-    with pytest.raises(ValueError, match="one posture"):
+    with pytest.raises(ValueError, match=r"q must be joints .* got shape \(2, 4\)"):
         bench.let_go([START, START], TORQUE, 1.0)
-    with pytest.raises(ValueError, match="positive"):
+    with pytest.raises(ValueError, match="dt must be one number above 0"):
         bench.let_go(START, TORQUE, 1.0, dt=0.0)

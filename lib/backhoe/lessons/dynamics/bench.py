@@ -7,20 +7,19 @@ otherwise can be left on.
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics, integrate
-from backhoe.arm.kinematics import joint_vector
+from backhoe.basics.inputs import numbers, positive
 from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.simulation import bullet
 from backhoe.simulation.backends import announce_fallback
 from backhoe.simulation.urdf import urdf
 
 __all__ = ["let_go"]
+
+_JOINTS = "joints (swing, boom, stick, bucket)"
 
 
 def let_go(
@@ -51,14 +50,12 @@ def let_go(
     Raises:
         ValueError: a wrong shape, a value that is not finite, or a time or step not positive.
     """
-    q, torque = joint_vector(q), joint_vector(torque, "torque")
-    if q.shape != (4,) or torque.shape != (4,):
-        raise ValueError(f"one posture and one torque, please: got {q.shape} and {torque.shape}")
-    if not (seconds > 0 and dt > 0):
-        raise ValueError(f"seconds and dt must be positive, got {seconds!r} and {dt!r}")
+    q = numbers(q, "q", (4,), meaning=_JOINTS)
+    torque = numbers(torque, "torque", (4,), meaning=f"{_JOINTS} [N m]")
+    seconds, dt = positive(seconds, "seconds", "s"), positive(dt, "dt", "s")
     steps = round(seconds / dt)
     try:
-        engine = bullet.pybullet()
+        server = bullet.Server()
     except ImportError:
         announce_fallback()
         return integrate.semi_implicit_euler(
@@ -67,67 +64,28 @@ def let_go(
             dt,
             steps,
         )
-    client = bullet.connect()
     try:
-        body, joints = _mount(engine, client, q, dt, damping, motors, machine)
+        server.setTimeStep(dt)
+        server.setGravity(0, 0, -machine.gravity)
+        body = server.load_urdf(urdf(machine, base="fixed"), useFixedBase=True)
+        index = server.joints(body)
+        joints = [index[name] for name in JOINTS]
+        if not damping:
+            server.free(body)
+        if not motors:
+            server.switch_off(body, joints)
+        for joint, angle in zip(joints, q, strict=True):
+            server.resetJointState(body, joint, angle)
         states = np.empty((steps + 1, 8))
-        states[0] = _read(engine, client, body, joints)
+        states[0] = _read(server, body, joints)
         for step in range(steps):
-            engine.setJointMotorControlArray(
-                body, joints, engine.TORQUE_CONTROL, forces=torque.tolist(), physicsClientId=client
-            )
-            engine.stepSimulation(physicsClientId=client)
-            states[step + 1] = _read(engine, client, body, joints)
+            server.push(body, joints, torque)
+            states[step + 1] = _read(server, body, joints)
     finally:
-        engine.disconnect(physicsClientId=client)
+        server.disconnect()
     return integrate.Rollout(dt * np.arange(steps + 1), states)
 
 
-def _mount(
-    engine: object,
-    client: int,
-    q: NDArray,
-    dt: float,
-    damping: bool,
-    motors: bool,
-    machine: Machine,
-) -> tuple[int, list[int]]:
-    engine.setTimeStep(dt, physicsClientId=client)
-    engine.setGravity(0, 0, -machine.gravity, physicsClientId=client)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "backhoe.urdf"
-        path.write_text(urdf(machine, base="fixed"))
-        body = engine.loadURDF(
-            str(path),
-            useFixedBase=True,
-            flags=engine.URDF_USE_INERTIA_FROM_FILE,
-            physicsClientId=client,
-        )
-    count = engine.getNumJoints(body, physicsClientId=client)
-    names = [
-        engine.getJointInfo(body, index, physicsClientId=client)[1].decode()
-        for index in range(count)
-    ]
-    joints = [names.index(name) for name in JOINTS]
-    if not damping:
-        for index in range(-1, count):
-            engine.changeDynamics(
-                body,
-                index,
-                linearDamping=0,
-                angularDamping=0,
-                jointDamping=0,
-                physicsClientId=client,
-            )
-    if not motors:
-        engine.setJointMotorControlArray(
-            body, joints, engine.VELOCITY_CONTROL, forces=[0.0] * 4, physicsClientId=client
-        )
-    for index, angle in zip(joints, q, strict=True):
-        engine.resetJointState(body, index, angle, physicsClientId=client)
-    return body, joints
-
-
-def _read(engine: object, client: int, body: int, joints: list[int]) -> NDArray:
-    states = engine.getJointStates(body, joints, physicsClientId=client)
+def _read(server: bullet.Server, body: int, joints: list[int]) -> NDArray:
+    states = server.getJointStates(body, joints)
     return np.array([state[0] for state in states] + [state[1] for state in states])

@@ -122,6 +122,13 @@ def test_a_heavy_package_has_one_home(package, homes):
                 assert name.startswith(homes), f"{name}:{line} imports {package}"
 
 
+def test_compiled_loops_are_in_modules_named_engines():
+    for name, path in FILES.items():
+        for line, target in _targets(ast.parse(path.read_text(encoding="utf-8"))):
+            if target.split(".")[0] == "numba":
+                assert name.endswith("engine"), f"{name}:{line} imports numba"
+
+
 def test_every_folder_of_tests_is_a_floor():
     folders = {path.name for path in Path(__file__).parent.iterdir() if path.is_dir()}
     assert folders - {"browser", "__pycache__"} <= set(FLOORS)

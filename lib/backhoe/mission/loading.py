@@ -100,7 +100,7 @@ def run(
     controller: Callable | None = None,
     trajectory: Callable | None = None,
     cycles: int = 3,
-    world: simulation.Simulation | None = None,
+    world: simulation.World | None = None,
     machine: Machine = BACKHOE,
     backend: str = "auto",
     record: bool = False,
@@ -142,7 +142,7 @@ def run(
 
 
 def _load(
-    world: simulation.Simulation, cycles: int, given: dict[str, Callable], record: bool
+    world: simulation.World, cycles: int, given: dict[str, Callable], record: bool
 ) -> Run:
     if world.ground is None:
         raise ValueError("the mission needs soil: open the world with soil=True")

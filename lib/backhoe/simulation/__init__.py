@@ -3,11 +3,11 @@
     with simulation.open_world() as world:
         world.step(torque)
 
-`protocol.Simulation` lists all that a world offers. `open_rover` opens a robot on four wheels.
+`protocol.World` lists all that a world offers. `open_rover` opens a robot on four wheels.
 """
 
 from backhoe.simulation.backends import BACKENDS, open_rover, open_world
-from backhoe.simulation.protocol import Simulation
+from backhoe.simulation.protocol import World
 from backhoe.simulation.scene import FLAT, LOADING, Scene
 from backhoe.simulation.tracked_plant import TrackedPlant
 
@@ -16,8 +16,8 @@ __all__ = [
     "FLAT",
     "LOADING",
     "Scene",
-    "Simulation",
     "TrackedPlant",
+    "World",
     "open_rover",
     "open_world",
 ]

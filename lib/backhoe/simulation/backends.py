@@ -9,13 +9,14 @@ from numpy.typing import ArrayLike
 
 from backhoe.basics.inputs import choice
 from backhoe.machine import BACKHOE, Machine
+from backhoe.simulation import bullet
+from backhoe.simulation.protocol import World
 from backhoe.simulation.scene import LOADING, Scene
+from backhoe.vehicle.motor import Motor, WheelGains
+from backhoe.vehicle.skid_steer import HUSKY, Vehicle
 
 if TYPE_CHECKING:
-    from backhoe.simulation.loop import Loop
     from backhoe.simulation.rover import Rover
-    from backhoe.vehicle.motor import Motor, WheelGains
-    from backhoe.vehicle.skid_steer import Vehicle
 
 BACKENDS = ("auto", "pybullet", "analytic")
 
@@ -45,7 +46,7 @@ def open_world(
     soil: bool = True,
     base: str = "tracks",
     friction: bool = True,
-) -> Loop:
+) -> World:
     """Open a simulation; use it in a `with` statement or close it yourself.
 
     Args:
@@ -61,7 +62,7 @@ def open_world(
         friction: whether the joints have the machine's viscous and Coulomb friction.
 
     Returns:
-        The simulation; `protocol.Simulation` lists what it offers.
+        The simulation; `protocol.World` lists what it offers.
 
     Raises:
         TypeError: machine or scene is something else.
@@ -70,14 +71,14 @@ def open_world(
     """
     backend = _backend(backend)
     if backend == "pybullet":
-        from backhoe.simulation.world import BulletWorld as World
+        from backhoe.simulation.world import BulletWorld as Opened
     else:
-        from backhoe.simulation.analytic import AnalyticWorld as World
-    return World(machine, scene, seed, q, soil, base, friction)
+        from backhoe.simulation.analytic import AnalyticWorld as Opened
+    return Opened(machine, scene, seed, q, soil, base, friction)
 
 
 def open_rover(
-    vehicle: Vehicle | None = None,
+    vehicle: Vehicle = HUSKY,
     *,
     driven: str = "all",
     backend: str = "auto",
@@ -92,7 +93,7 @@ def open_rover(
     """Open a robot on four wheels, generated from its description, on flat ground.
 
     Args:
-        vehicle: its description; default `skid_steer.HUSKY`.
+        vehicle: its description.
         driven: wheels with a motor, "all" or "front".
         backend: "pybullet", "analytic", or "auto" for PyBullet where it is installed.
         contacts: whose friction turns it in PyBullet: "library" for the slipping model's, "bullet"
@@ -112,8 +113,6 @@ def open_rover(
     """
     choice(contacts, "contacts", ("library", "bullet"))
     backend = _backend(backend)
-    if vehicle is None:
-        from backhoe.vehicle.skid_steer import HUSKY as vehicle
     if backend == "analytic":
         if contacts == "bullet":
             raise ValueError('contacts="bullet" needs PyBullet: the analytic backend has none')
@@ -134,8 +133,6 @@ def _backend(backend: str) -> str:
     choice(backend, "backend", BACKENDS)
     if backend != "auto":
         return backend
-    from backhoe.simulation import bullet
-
     try:
         bullet.pybullet()
         return "pybullet"

@@ -51,7 +51,7 @@ class Snapshot:
 
 
 class Loop:
-    """A simulated machine without the integration of its motion; see `protocol.Simulation`.
+    """A simulated machine without the integration of its motion; see `protocol.World`.
 
     Args:
         machine: its numbers.

@@ -1,4 +1,4 @@
-"""What every simulation offers: the whole interface, readable in a minute.
+"""What every simulated world offers: the whole interface, readable in a minute.
 
 A third backend is a class with these names; `loop.Loop` brings all but the integration.
 """
@@ -11,16 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.machine import Machine
 from backhoe.simulation.scene import Scene
+from backhoe.simulation.soil import Ground
 
 
-class Simulation(Protocol):
+class World(Protocol):
     """One simulated machine. SI units, angles in rad; world frame with x forward, y left, z up."""
 
     backend: str  # "pybullet" or "analytic"
     machine: Machine
     scene: Scene
+    seed: int  # of the bumps on the heaps
     dt: float  # one step [s]
-    ground: object | None  # backhoe.simulation.soil.ground.Ground, None without soil
+    ground: Ground | None  # None without soil
 
     @property
     def time(self) -> float:
@@ -65,13 +67,17 @@ class Simulation(Protocol):
         *,
         traction: ArrayLike | None = None,
     ) -> None:
-        """Advance by one `dt` with wanted joint torques [N m] and belt speeds left, right [m/s].
+        """Advance by one `dt` with wanted joint torques, shape (4,) [N m], and belts.
 
-        Instead of belt speeds, `traction` gives the driving forces left, right [N].
+        The belts, left and right, run at speeds, shape (2,) [m/s]; or `traction` drives them, (2,)
+        [N].
         """
 
     def reset(self, q: ArrayLike | None = None, pose: ArrayLike | None = None) -> None:
-        """Start again at time 0, at rest, on untouched ground."""
+        """Start again at time 0, at rest, on untouched ground.
+
+        Joint angles q, shape (4,) [rad]; pose x, y, yaw, shape (3,) [m, m, rad].
+        """
 
     def snapshot(self) -> object:
         """Everything that the future depends on."""
@@ -80,11 +86,11 @@ class Simulation(Protocol):
         """Go back to a snapshot of this simulation; what follows repeats bit for bit."""
 
     def render(self, width: int = 640, height: int = 480, **view: object) -> NDArray:
-        """A picture, shape (height, width, 3), uint8; RuntimeError in a backend without cameras."""
+        """A picture, shape (height, width, 3) [1]; RuntimeError in a backend without cameras."""
 
     def close(self) -> None:
         """Release what the simulation holds; closing twice is allowed."""
 
-    def __enter__(self) -> Simulation: ...
+    def __enter__(self) -> World: ...
 
     def __exit__(self, *error: object) -> None: ...

@@ -5,19 +5,15 @@ The rays have a physics server of their own, so that scanning never changes the 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.simulation import bullet
+from backhoe.simulation.protocol import World
 from backhoe.simulation.render import country, link_frames
 from backhoe.view import shapes
 from backhoe.view.appearance import truck_visuals, visuals
 from backhoe.view.shapes import Mesh
-
-if TYPE_CHECKING:
-    from backhoe.simulation.loop import Loop
 
 BATCH = 16_000
 """Rays in one call: PyBullet takes at most 16384."""
@@ -30,7 +26,7 @@ class Rays:
         ImportError: PyBullet is not installed.
     """
 
-    def __init__(self, world: Loop) -> None:
+    def __init__(self, world: World) -> None:
         self._server = bullet.Server()
         self._world = world
         self._links = {

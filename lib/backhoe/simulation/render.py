@@ -10,7 +10,6 @@ import tempfile
 from collections.abc import Sequence
 from math import cos, sin
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,13 +18,11 @@ from backhoe.arm.kinematics import link_transforms
 from backhoe.machine import JOINTS
 from backhoe.simulation import bullet, texture
 from backhoe.simulation.camera import Camera
+from backhoe.simulation.protocol import World
+from backhoe.simulation.scene import Scene
 from backhoe.view import shapes
 from backhoe.view.appearance import Visual, bucket_load, struts, truck_visuals, visuals
 from backhoe.view.shapes import Mesh
-
-if TYPE_CHECKING:
-    from backhoe.simulation.loop import Loop
-    from backhoe.simulation.scene import Scene
 
 HORIZON = 160.0
 """Half side of the flat country around the scene [m]."""
@@ -53,7 +50,7 @@ class Renderer:
         ImportError: PyBullet is not installed.
     """
 
-    def __init__(self, world: Loop) -> None:
+    def __init__(self, world: World) -> None:
         self._server = bullet.Server()
         self._world = world
         self._folder = tempfile.TemporaryDirectory(prefix="backhoe-")
@@ -270,7 +267,7 @@ def country(scene: Scene) -> Mesh:
     return vertices, faces[~inside]
 
 
-def link_frames(world: Loop) -> dict[str, NDArray]:
+def link_frames(world: World) -> dict[str, NDArray]:
     """Poses in the world, (4, 4) each: undercarriage, swing, boom, stick, bucket."""
     x, y, yaw = world.pose
     T_world_base = np.array(

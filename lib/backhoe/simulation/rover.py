@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,18 +23,19 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import choice, function, instance, number, numbers, positive
 from backhoe.simulation.clock import STEP, ticks
 from backhoe.simulation.rover_urdf import rover_urdf
-from backhoe.simulation.wheel_friction import WheelFriction
-
-if TYPE_CHECKING:
-    from backhoe.vehicle.motor import Motor, WheelGains
-    from backhoe.vehicle.skid_steer import Vehicle
-    from backhoe.vehicle.tracking import Limits
+from backhoe.vehicle import motor as motors
+from backhoe.vehicle.motor import Motor, WheelGains
+from backhoe.vehicle.skid_steer import Vehicle, engine
+from backhoe.vehicle.tracking import Limits
 
 DRIVEN = {"all": (1.0, 1.0, 1.0, 1.0), "front": (1.0, 1.0, 0.0, 0.0)}
 """Which wheels have a motor."""
 
 GROUP = 5
 """Steps of the wheels for one of a body in PyBullet, if the sample time allows."""
+
+_TOLERANCE = 1e-6
+"""Of the wheels' friction over one step."""
 
 _USABLE = 0.9
 """Share of a motor's speed without load that a vehicle can use."""
@@ -80,9 +80,6 @@ class Rover:
         wheel_controller: Callable | None = None,
         half_track: float | None = None,
     ) -> None:
-        from backhoe.vehicle import motor as motors
-        from backhoe.vehicle.skid_steer.vehicle import Vehicle
-
         self.vehicle = instance(vehicle, "vehicle", Vehicle)
         self.driven = choice(driven, "driven", DRIVEN)
         self.motor = motors.ROVER if motor is None else motor
@@ -93,7 +90,7 @@ class Rover:
         half_track = vehicle.half_track if half_track is None else half_track
         self._half_track = positive(half_track, "half_track", "m")
         self._control = self._controller(gains, wheel_controller)
-        self._start = _pose(np.zeros(3) if pose is None else pose)
+        self._start = _pose(np.zeros(3) if pose is None else pose).copy()
         self._closed = False
         self._open()
         try:
@@ -155,8 +152,6 @@ class Rover:
     @property
     def limits(self) -> Limits:
         """Speeds that the wheels can drive; `tracking.follow` keeps to them, turning first."""
-        from backhoe.vehicle.tracking import Limits
-
         fastest = _USABLE * self.motor.no_load_speed
         return Limits(fastest, self.vehicle.wheel_radius, self._half_track)
 
@@ -221,7 +216,7 @@ class Rover:
         self._angles, self._voltage = np.zeros(4), np.zeros(4)
         self._drive, self._damping = np.zeros(4), np.zeros(4)
         self._loads = self.vehicle.loads.copy()
-        self._friction = WheelFriction(self.vehicle, STEP)
+        self._fleet, self._length = engine.fleet([self.vehicle]), np.full(1, STEP)
         for controller in self._controllers:
             if callable(getattr(controller, "reset", None)):
                 controller.reset()
@@ -262,11 +257,12 @@ class Rover:
         self._count += 1
 
     def _advance(self, rotors: NDArray) -> None:
-        self._friction.advance(self._state, self._drive, self._damping, rotors, self._loads)
+        fleet, state, drive = self._fleet, self._state[None], self._drive[None]
+        fleet.damping[0], fleet.load[0] = self._damping, self._loads
+        fleet.spin[0] = self.vehicle.wheel_inertia + rotors
+        engine.advance(state, drive, fleet, STEP, self._length, _TOLERANCE)
 
     def _controller(self, gains: WheelGains | None, own: Callable | None) -> Callable:
-        from backhoe.vehicle import motor as motors
-
         if own is not None:
             if gains is not None:
                 raise ValueError("give gains or wheel_controller, not both")
@@ -278,14 +274,12 @@ class Rover:
             driven = int(self._motored.sum())
             gains = motors.tune_wheel(self.motor, motors.vehicle_load(self.vehicle, driven))
         pids = self._controllers = [motors.wheel_pid(self.motor, gains) for _ in range(4)]
-        return lambda reference, measured: np.array(
-            [
-                pid(wanted, speed)
-                for pid, wanted, speed in zip(
-                    pids, reference.tolist(), measured.tolist(), strict=True
-                )
-            ]
-        )
+
+        def control(reference: NDArray, measured: NDArray) -> NDArray:
+            pairs = zip(pids, reference.tolist(), measured.tolist(), strict=True)
+            return np.array([pid(*pair) for pid, *pair in pairs])
+
+        return control
 
     def _check_open(self) -> None:
         if self._closed:

@@ -9,13 +9,9 @@ ground below its centre of mass.
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
 
 from backhoe.basics.inputs import choice
-from backhoe.vehicle.skid_steer.vehicle import WHEELS
-
-if TYPE_CHECKING:
-    from backhoe.vehicle.skid_steer.vehicle import Vehicle
+from backhoe.vehicle.skid_steer.vehicle import WHEELS, Vehicle
 
 
 def body_middle(vehicle: Vehicle) -> tuple[float, float, float]:

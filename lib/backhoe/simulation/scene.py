@@ -7,16 +7,13 @@ All numbers are our choice, made so that the machine reaches heap and truck with
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import number, numbers, positive, whole
 from backhoe.machine import Machine
-
-if TYPE_CHECKING:
-    from backhoe.simulation.soil.ground import Ground
+from backhoe.simulation.soil import Ground, Terrain
 
 ROUGHNESS = 0.03
 """Height of the bumps on a heap [m]; they come from the seed."""
@@ -109,8 +106,6 @@ def untouched_ground(scene: Scene, machine: Machine, seed: int, hold: float) -> 
         seed: of the bumps on the heaps.
         hold: time over which the bucket feels one force of the soil [s].
     """
-    from backhoe.simulation.soil.ground import Ground, Terrain
-
     terrain = Terrain(scene.heights(seed), scene.cell, scene.corner)
     truck, bed = scene.truck, None
     if truck is not None:

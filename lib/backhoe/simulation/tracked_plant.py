@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import cos, sin
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,13 +19,11 @@ from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation.backends import open_world
 from backhoe.simulation.clock import STEP, ticks
 from backhoe.simulation.hold import Hold
+from backhoe.simulation.protocol import World
 from backhoe.simulation.scene import FLAT, Scene
 from backhoe.vehicle.tracking import Limits
 from backhoe.vehicle.travel.posture import POSTURE
 from backhoe.vehicle.travel.velocity import VelocityPI
-
-if TYPE_CHECKING:
-    from backhoe.simulation.loop import Loop
 
 _CALL = "controller(v_ref, omega_ref, v, omega, dt) -> (left, right) [N]"
 
@@ -54,7 +51,7 @@ class TrackedPlant:
 
     def __init__(
         self,
-        world: Loop | None = None,
+        world: World | None = None,
         *,
         controller: Callable | None = None,
         machine: Machine = BACKHOE,

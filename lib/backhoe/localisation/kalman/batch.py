@@ -41,33 +41,30 @@ class BatchExtendedKalmanFilter(ExtendedKalmanFilter):
         m = seen.shape[-1] if seen.ndim == 2 else 1
         return over_leading_axes(seen, (len(x), m), "h(x)")
 
-    def _states(self, value: ArrayLike, name: str) -> NDArray:
-        return _rows(over_leading_axes(value, self._x.shape, name)).T
+    def _states(self, value: ArrayLike, shape: tuple[int, int], name: str) -> NDArray:
+        return _rows(over_leading_axes(value, shape, name)).T
 
-    def _matrices(self, value: ArrayLike, rows: int, name: str) -> NDArray:
-        """One matrix for all, shape (rows, n), or one for each, (N, rows, n)."""
+    def _matrices(self, value: ArrayLike, shape: tuple[int, int], name: str) -> NDArray:
+        """One matrix for all, or with the leading axis N one for each."""
         value = np.require(real_numbers(value, name), float, ["C", "W", "A"])
-        one = rows, self._n
-        if value.shape not in (one, (len(self._x), *one)):
-            raise ValueError(
-                f"{name} must have shape {(len(self._x), *one)} or {one}, got shape {value.shape}"
-            )
+        every = (len(self._x), *shape)
+        if value.shape not in (shape, every):
+            raise ValueError(f"{name} must have shape {every} or {shape}, got shape {value.shape}")
         return value
 
-    def _propagated(self, x: NDArray, F: NDArray, Q: NDArray) -> NDArray | None:
-        rows = self._elements(self._P)
-        P = np.empty_like(rows)
-        engine().propagate(self._elements(F), rows, self._elements(Q), P)
+    def _propagated(self, x: NDArray, F: NDArray, Q: NDArray) -> tuple[NDArray, bool]:
+        P = np.empty((self._n, self._n, len(x)))
+        engine().propagate(*map(self._elements, (F, self._P, Q)), P)
         diagonal = P[np.arange(len(P)), np.arange(len(P))]
         possible = np.isfinite(x).all() and np.isfinite(P).all() and diagonal.min() >= 0
-        return P.transpose(2, 0, 1) if possible else None
+        return P.transpose(2, 0, 1), possible
 
     def _correct(self, z: ArrayLike, seen: NDArray, y: NDArray, H: NDArray, R: NDArray) -> None:
-        (N, n), m = self._x.shape, y.shape[-1]
-        x, P, nis = np.empty((n, N)), np.empty((n, n, N)), np.empty(N)
-        S, K = np.empty((m, m, N)), np.empty((n, m, N))
         before = _rows(self._x), self._elements(self._P)
         sensor = _rows(y), self._elements(H), self._elements(R)
+        (m, N), n = sensor[0].shape, self._n
+        x, P, nis = np.empty((n, N)), np.empty((n, n, N)), np.empty(N)
+        S, K = np.empty((m, m, N)), np.empty((n, m, N))
         engine().correct(*before, *sensor, x, P, S, K, nis)
         possible = (nis >= 0) & (nis < np.inf)
         if not possible.all():

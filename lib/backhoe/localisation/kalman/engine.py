@@ -32,23 +32,21 @@ def correct(x, P, y, H, R, x_new, P_new, S, K, nis):
             nis is nan or infinite for an S that is not positive definite.
     """
     m, n, N = H.shape
-    HP, w, L = np.zeros(H.shape), np.zeros((m, 1, N)), np.zeros(S.shape)
-    _add_product(H, P, HP)
+    HP_y = np.zeros((m, n + 1, N))
+    _add_product(H, P, HP_y)
     S[:] = R
-    _add_symmetric(HP, H, S)
-    root(S, L)
-    w[:, 0] = y
-    _solve(L, w)
-    _solve(L, HP)
+    _add_symmetric(HP_y, H, S)
+    HP_y[:, n] = y
+    _solve(root(S), HP_y)
     nis[:] = 0.0
     x_new[:] = x
     for i in range(m):
         for k in range(N):
-            nis[k] += y[i, k] * w[i, 0, k]
+            nis[k] += y[i, k] * HP_y[i, n, k]
         for j in range(n):
             for k in range(N):
-                K[j, i, k] = HP[i, j, k]
-                x_new[j, k] += HP[i, j, k] * y[i, k]
+                K[j, i, k] = HP_y[i, j, k]
+                x_new[j, k] += HP_y[i, j, k] * y[i, k]
     _joseph(P, K, H, R, P_new)
 
 
@@ -87,16 +85,13 @@ def correct_one(x, P, y, H, R, x_new, P_new, S, K):
 
 
 @_compiled
-def root(P, L):
-    """L, zeros of shape (n, n, N), becomes lower triangular with L L^T = P.
+def root(P):
+    """Lower triangular L with L L^T = P, both of shape (n, n, N).
 
     A variance of zero has a zero column; a negative pivot beyond rounding leaves nan.
     """
     n, _, N = P.shape
-    scale = np.zeros(N)
-    for i in range(n):
-        for k in range(N):
-            scale[k] = max(scale[k], P[i, i, k])
+    L = np.zeros(P.shape)
     for j in range(n):
         for i in range(j, n):
             for k in range(N):
@@ -110,7 +105,17 @@ def root(P, L):
                 elif L[j, j, k] > 1e-15 * P[j, j, k]:
                     L[j, j, k] = np.sqrt(L[j, j, k])
                 else:
-                    L[j, j, k] = 0.0 if L[j, j, k] >= -1e-9 * scale[k] else np.nan
+                    L[j, j, k] = 0.0 if L[j, j, k] >= -1e-9 * _scale(P, k) else np.nan
+    return L
+
+
+@_compiled
+def _scale(P, k):
+    """Largest variance of filter k."""
+    largest = 0.0
+    for i in range(len(P)):
+        largest = max(largest, P[i, i, k])
+    return largest
 
 
 @_compiled
@@ -159,10 +164,10 @@ def _add_product(A, B, C):
 
 @_compiled
 def _add_symmetric(A, B, C):
-    """C += A B^T, known to be symmetric: one half is computed."""
+    """C += A B^T, known to be symmetric: one half is computed; A may have more columns."""
     for i in range(A.shape[0]):
         for j in range(i + 1):
-            for s in range(A.shape[1]):
+            for s in range(B.shape[1]):
                 for k in range(C.shape[2]):
                     C[i, j, k] += A[i, s, k] * B[j, s, k]
             for k in range(C.shape[2]):

@@ -79,10 +79,10 @@ class ExtendedKalmanFilter(Filter):
         measurement_angles: Sequence[int] = (),
     ) -> None:
         super().__init__(f, Q, x0, P0, (h, H, R), time, angles, measurement_angles)
-        n = self._n
-        self._F = F if F is None or callable(F) else np.array(numbers(F, "F", (n, n)))
+        self._square = self._n, self._n
+        self._F = F if F is None or callable(F) else np.array(numbers(F, "F", self._square))
         self._Q_checked = not callable(Q)
-        self.F = np.eye(n)
+        self.F = np.eye(self._n)
         self.predictions = 0
 
     def predict(self, u: ArrayLike, dt: float) -> None:
@@ -96,17 +96,17 @@ class ExtendedKalmanFilter(Filter):
             ValueError: dt is not positive; f, F or Q gives another shape, or numbers that are not
                 finite. The filter is as before then.
         """
-        dt, x, n = duration(dt), self._x, self._n
-        moved = self._states(self._f(x.copy(order="K"), u, dt), "f(x, u, dt)")
-        F = self._matrices(self._jacobian(x, u, dt), n, "F(x, u, dt)")
+        dt, x, square = duration(dt), self._x, self._square
+        moved = self._states(self._f(x.copy(order="K"), u, dt), x.shape, "f(x, u, dt)")
+        F = self._matrices(self._jacobian(x, u, dt), square, "F(x, u, dt)")
         Q = self._Q
         if callable(Q):
-            Q = self._matrices(Q(x, u, dt), n, "Q(x, u, dt)")
+            Q = self._matrices(Q(x, u, dt), square, "Q(x, u, dt)")
             if not self._Q_checked:
                 self._check_noise(Q)
                 self._Q_checked = True
-        P = self._propagated(moved, F, Q)
-        if P is None:
+        P, possible = self._propagated(moved, F, Q)
+        if not possible:
             numbers(moved, "f(x, u, dt)")
             numbers(F, "F(x, u, dt)")
             self._check_noise(Q)
@@ -150,7 +150,7 @@ class ExtendedKalmanFilter(Filter):
             H = numerical_jacobian(lambda x: self._look(sensor.h, x), x, sensor.angles)
         elif callable(H):
             H = H(x)
-        H = self._matrices(H, m, "H(x)")
+        H = self._matrices(H, (m, self._n), "H(x)")
         self._correct(z, seen, y, H, sensor.R if R is None else noise(R, m))
 
     def _jacobian(self, x: NDArray, u: ArrayLike, dt: float) -> ArrayLike:
@@ -160,19 +160,15 @@ class ExtendedKalmanFilter(Filter):
             return numerical_jacobian(lambda x: self._f(x, u, dt), x, self.angles)
         return self._F
 
-    def _states(self, value: ArrayLike, name: str) -> NDArray:
-        return plain(value, self._x.shape, name)
-
-    def _matrices(self, value: ArrayLike, rows: int, name: str) -> NDArray:
-        return plain(value, (rows, self._n), name)
+    _states = _matrices = staticmethod(plain)
 
     def _check_noise(self, Q: NDArray) -> None:
         covariance(Q, "Q(x, u, dt)", self._n, runs=len(Q) if Q.ndim == 3 else None)
 
-    def _propagated(self, x: NDArray, F: NDArray, Q: NDArray) -> NDArray | None:
-        """F P F^T + Q; None if that or x cannot be true."""
-        P = np.empty(self._P.shape)
-        return P if engine().propagate_one(x, F, self._P, Q, P) else None
+    def _propagated(self, x: NDArray, F: NDArray, Q: NDArray) -> tuple[NDArray, bool]:
+        """F P F^T + Q, and whether that and x can be true."""
+        P = np.empty(self._square)
+        return P, engine().propagate_one(x, F, self._P, Q, P)
 
     def _correct(self, z: ArrayLike, seen: NDArray, y: NDArray, H: NDArray, R: NDArray) -> None:
         m, n = H.shape

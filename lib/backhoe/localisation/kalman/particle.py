@@ -162,8 +162,6 @@ class ParticleFilter(Filter):
         self.weights = np.full(len(chosen), 1 / len(chosen))
 
     def _draw(self, P: NDArray, shape: tuple[int, int]) -> NDArray:
-        elements = np.array(np.atleast_3d(P.T), order="C")
-        roots = np.zeros(elements.shape)
-        engine().root(elements, roots)
+        roots = engine().root(np.array(np.atleast_3d(P.T), order="C"))
         normal = self._rng.standard_normal(shape)
         return normal @ roots[..., 0].T if P.ndim == 2 else np.einsum("ijk,kj->ki", roots, normal)

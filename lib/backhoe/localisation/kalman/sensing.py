@@ -128,9 +128,10 @@ class Filter:
 
     def _look(self, h: Measurement, x: NDArray) -> NDArray:
         """h(x) as an array of shape (m,)."""
-        seen = real_numbers(h(x), "h(x)")
-        if seen.ndim == 0:
-            seen = seen.reshape(1)
+        seen = h(x)
+        if type(seen) is np.ndarray and seen.ndim == 1 and seen.dtype is _FLOAT:
+            return seen
+        seen = np.atleast_1d(real_numbers(seen, "h(x)"))
         return seen if seen.ndim == 1 else numbers(seen, "h(x)", ("m",))
 
     def _check_time(self, time: float) -> None:

@@ -68,7 +68,10 @@ class UnscentedKalmanFilter(Filter):
         self._weights[0] += 1 - alpha**2 + beta
 
     def predict(self, u: ArrayLike, dt: float) -> None:
-        """Move the estimate on by dt; arguments and errors as for `ExtendedKalmanFilter`."""
+        """Move the estimate on by dt.
+
+        Arguments and errors as for `ExtendedKalmanFilter`.
+        """
         dt, Q = duration(dt), self._Q
         if callable(Q):
             Q = covariance(Q(self._x, u, dt), "Q(x, u, dt)", self._n)
@@ -119,8 +122,7 @@ class UnscentedKalmanFilter(Filter):
 
     def _points(self) -> NDArray:
         """2 n + 1 points that have the mean x and the covariance P, x first."""
-        root = np.zeros((self._n, self._n, 1))
-        engine().root(np.ascontiguousarray(self._P)[..., None], root)
+        root = engine().root(np.ascontiguousarray(self._P)[..., None])
         if (root != root).any():
             raise ValueError(
                 "P has a negative eigenvalue: the filter has lost it, raise Q or alpha"

@@ -118,7 +118,7 @@ def measure_import() -> list[bool]:
 
     numpy_alone = start_up("import numpy")
     package = start_up("import backhoe, numpy") - numpy_alone
-    mathematics = start_up("from backhoe import kinematics, dynamics, integrate") - numpy_alone
+    mathematics = start_up("from backhoe.arm import dynamics, integrate, kinematics") - numpy_alone
     return [
         report("import backhoe beyond NumPy", package, "s", 0.15),
         report("import kinematics, dynamics, integrate beyond NumPy", mathematics, "s", 0.15),

@@ -1,6 +1,6 @@
 """The laws of `forces`, `tracks` and `moving_base`, compiled for a thousand steps a second.
 
-Give `push` its records as plain tuples: Numba takes those over faster.
+Give `push` its numbers as a plain tuple: Numba takes that over faster.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ push, tip_motion, balance, *_ = compiled(
     forces.joint_torques,
     forces.ground_force,
     forces.arm_points,
+    forces.state_in,
     forces.tip_force,
     moving_base.vectors_at,
     terms.vectors,

@@ -53,26 +53,26 @@ class Numbers(NamedTuple):
 
 
 class State(NamedTuple):
-    """Arrays that a step changes in place.
+    """What a step changes in place: views of one memory, which alone passes into compiled code.
 
     Attributes:
         q, dq: coordinates x, y, yaw, swing, boom, stick, bucket and their rates, shape (7,).
         soil: force on the bucket's tip in the world [N] and moment raising its pitch [N m], (4,).
-        sheared: of each patch, as in `tracks.shear`, shape (n, 2).
         belts: speed of the left and right belt, shape (2,) [m/s].
         traction: what drives of given force gave each track, shape (2,) [N].
         torque: what the actuators gave the joints, shape (4,) [N m].
         forces: along the seven coordinates, shape (7,) [N, N, N m, ...].
+        sheared: of each patch, as in `tracks.shear`, shape (n, 2).
     """
 
     q: NDArray
     dq: NDArray
     soil: NDArray
-    sheared: NDArray
     belts: NDArray
     traction: NDArray
     torque: NDArray
     forces: NDArray
+    sheared: NDArray
 
 
 def numbers_of(machine: Machine, friction: bool) -> Numbers:
@@ -107,18 +107,31 @@ def _stops(machine: Machine) -> tuple[NDArray, NDArray]:
     return stiffness, 2 * STOP_DAMPING * np.sqrt(stiffness * inertia)
 
 
-def state_of(numbers: Numbers) -> State:
-    """A machine at the origin, at rest, its joints at zero."""
-    sizes = 7, 7, 4, numbers.patches.shape, 2, 2, 4, 7
-    return State(*(np.zeros(size) for size in sizes))
+def memory_of(numbers: Numbers) -> NDArray:
+    """Of a machine at the origin, at rest, its joints at zero, shape (33 + 2 n,) [own units]."""
+    return np.zeros(33 + numbers.patches.size)
 
 
-def push(numbers, state, torque, command, driven, dt):
+def state_in(memory):
+    """The `State` in a memory."""
+    return State(
+        memory[:7],
+        memory[7:14],
+        memory[14:18],
+        memory[18:20],
+        memory[20:22],
+        memory[22:26],
+        memory[26:33],
+        memory[33:].reshape(-1, 2),
+    )
+
+
+def push(numbers, memory, torque, command, driven, dt):
     """Find the forces along the seven coordinates over one step, and move the belts.
 
     Args:
         numbers: a `Numbers`.
-        state: a `State`; all but coordinates, rates and soil is brought forward in place.
+        memory: of the `State`; all but coordinates, rates and soil is brought forward in place.
         torque: wanted joint torques, shape (4,) [N m].
         command: of the left and right belt, shape (2,): wanted driving forces [N] if `driven`, else
             wanted speeds [m/s].
@@ -128,7 +141,7 @@ def push(numbers, state, torque, command, driven, dt):
     Returns:
         False, with nothing changed, if a torque or command is not finite.
     """
-    numbers, state = Numbers(*numbers), State(*state)
+    numbers, state = Numbers(*numbers), state_in(memory)
     if not (np.isfinite(torque).all() and np.isfinite(command).all()):
         return False
     joint_torques(numbers.joints, state, torque)

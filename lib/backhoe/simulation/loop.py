@@ -43,7 +43,7 @@ class Snapshot:
 
     owner: object
     ticks: int
-    arrays: tuple[NDArray, ...]
+    memory: NDArray
     payload: float
     in_soil: bool
     ground: object
@@ -89,8 +89,9 @@ class Loop:
         self._start = numbers(REST if q is None else q, "q", (4,), meaning=_JOINTS).copy()
         self._soil_wanted = soil
         self._numbers = forces.numbers_of(machine, friction)
-        self._state = forces.state_of(self._numbers)
-        self._records = tuple(self._numbers), tuple(self._state)
+        self._plain = tuple(self._numbers)
+        self._memory = forces.memory_of(self._numbers)
+        self._state = forces.state_in(self._memory)
         self._open()
         self.reset()
 
@@ -166,7 +167,9 @@ class Loop:
         torque = real_numbers(torque, "torque")
         command = _STILL if command is STANDING else real_numbers(command, name)
         shapes = torque.shape, command.shape
-        if shapes != _SHAPES or not engine.push(*self._records, torque, command, driven, self.dt):
+        if shapes != _SHAPES or not engine.push(
+            self._plain, self._memory, torque, command, driven, self.dt
+        ):
             numbers(torque, "torque", (4,), meaning=f"{_JOINTS} [N m]")
             numbers(command, name, (2,), meaning=f"left and right [{'N' if driven else 'm/s'}]")
         self._integrate()
@@ -193,8 +196,7 @@ class Loop:
         if self.base == "fixed" and pose.any():
             raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
         self._ticks, self._in_soil = 0, False
-        for array in self._state:
-            array[:] = 0.0
+        self._memory[:] = 0.0
         self.ground = (
             untouched_ground(self.scene, self.machine, self.seed, STEP)
             if self._soil_wanted
@@ -209,7 +211,7 @@ class Loop:
         made = Snapshot(
             self._token,
             self._ticks,
-            tuple(array.copy() for array in self._state),
+            self._memory.copy(),
             float(self._numbers.load[1]),
             self._in_soil,
             None if self.ground is None else self.ground.snapshot(),
@@ -229,8 +231,7 @@ class Loop:
         if not isinstance(snapshot, Snapshot) or snapshot.owner is not self._token:
             raise ValueError("restore needs a snapshot of this very simulation")
         self._ticks = snapshot.ticks
-        for array, saved in zip(self._state, snapshot.arrays, strict=True):
-            array[:] = saved
+        self._memory[:] = snapshot.memory
         if self.ground is not None:
             self.ground.restore(snapshot.ground)
         self._in_soil = snapshot.in_soil

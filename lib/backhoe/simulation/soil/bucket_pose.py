@@ -6,11 +6,12 @@ of the tip frame's x axis (pin through teeth), from the horizontal outwards, pos
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, isfinite, pi, sin
+from math import atan2, cos, hypot, isfinite, sin
 from typing import NamedTuple
 
 from numpy.typing import ArrayLike
 
+from backhoe.basics.angles import wrap
 from backhoe.basics.inputs import numbers, real_numbers
 
 
@@ -59,11 +60,6 @@ def from_transform(T_tip: ArrayLike) -> BucketPose:
     return BucketPose((x, y, z), (-across_y / level, across_x / level), atan2(x_up, y_up))
 
 
-def wrapped(angle: float) -> float:
-    """The same angle in [-pi, pi) [rad]."""
-    return (angle + pi) % (2 * pi) - pi
-
-
 def turn(a: BucketPose, b: BucketPose) -> float:
     """Change of heading from a to b [rad]."""
     (ax, ay), (bx, by) = a.heading, b.heading
@@ -81,5 +77,5 @@ def between(a: BucketPose, b: BucketPose, part: float) -> BucketPose:
     tip = tuple(p + part * (q - p) for p, q in zip(a.tip, b.tip, strict=True))
     angle = part * turn(a, b)
     (ex, ey), c, s = a.heading, cos(angle), sin(angle)
-    pitch = a.pitch + part * wrapped(b.pitch - a.pitch)
+    pitch = a.pitch + part * wrap(b.pitch - a.pitch)
     return BucketPose(tip, (c * ex - s * ey, s * ex + c * ey), pitch)

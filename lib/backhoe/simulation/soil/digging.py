@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from backhoe.basics.angles import wrap
 from backhoe.machine import Shell
-from backhoe.simulation.soil.bucket_pose import BucketPose, between, distance, turn, wrapped
+from backhoe.simulation.soil.bucket_pose import BucketPose, between, distance, turn
 from backhoe.simulation.soil.cells import turned
 from backhoe.simulation.soil.terrain import Contact, Terrain
 
@@ -44,7 +45,7 @@ class Digger:
         """Drive the shell from one pose to the next with `room` [m^3] left in the bucket."""
         if min(before.tip[2], now.tip[2]) - self.reach > self.terrain.top:
             return Dug(0.0, 0.0, Contact())
-        swept = abs(wrapped(now.pitch - before.pitch)) + abs(turn(before, now))
+        swept = abs(wrap(now.pitch - before.pitch)) + abs(turn(before, now))
         path = distance(before, now) + swept * (self.reach + self.half)
         steps = max(ceil(path / (self.terrain.cell / 2)), 1)
         last, taken, missed, contact = before, 0.0, 0.0, Contact()

@@ -10,8 +10,9 @@ from __future__ import annotations
 from math import atan2, copysign, cos, hypot, pi, sin, sqrt
 from typing import NamedTuple
 
+from backhoe.basics.angles import wrap
 from backhoe.machine import Machine
-from backhoe.simulation.soil.bucket_pose import BucketPose, wrapped
+from backhoe.simulation.soil.bucket_pose import BucketPose
 from backhoe.simulation.soil.earthmoving import SoilParameters, bearing_capacity
 from backhoe.simulation.soil.terrain import Contact
 
@@ -126,7 +127,7 @@ class SoilForce:
         cutting = sideways = teeth = 0.0
         if depth > 0.0:
             side = self.ahead(now, velocity)
-            face = wrapped(now.pitch + self.floor_angle)
+            face = wrap(now.pitch + self.floor_angle)
             full = self.soil.density * self.gravity * volume / (self.width * self.mouth)
             cutting = self.soil.cutting_force(
                 depth,
@@ -142,7 +143,7 @@ class SoilForce:
         load = 0.0
         if before is not None:
             fall = before.at.tip[2] - now.tip[2]
-            fall -= wrapped(now.pitch - before.at.pitch) * contact.lever
+            fall -= wrap(now.pitch - before.at.pitch) * contact.lever
             load = min(max(before.load + stiffness * fall, 0.0), stiffness * contact.sunk)
         return Resistance(
             now,

@@ -17,10 +17,11 @@ from math import isfinite
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.angles import wrap
 from backhoe.basics.inputs import instance, numbers, positive, real_numbers
 from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation.soil.bucket_fill import BucketFill
-from backhoe.simulation.soil.bucket_pose import BucketPose, distance, from_transform, wrapped
+from backhoe.simulation.soil.bucket_pose import BucketPose, distance, from_transform
 from backhoe.simulation.soil.digging import Digger
 from backhoe.simulation.soil.earthmoving import LOAM, SoilParameters
 from backhoe.simulation.soil.force import Resistance, SoilForce
@@ -133,7 +134,7 @@ class Ground:
         self.off_map_volume += missed
         self._spill(now, dt)
         self._settle()
-        pitch_rate = wrapped(now.pitch - before.pitch) / dt
+        pitch_rate = wrap(now.pitch - before.pitch) / dt
         self._felt = self._feel(now, velocity, contact, pitch_rate)
         self._before = now
         return self._answer(now.tip[2], velocity)

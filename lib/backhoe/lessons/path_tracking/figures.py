@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Polygon
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.basics.angles import wrap
 from backhoe.basics.inputs import numbers
 from backhoe.view.plots.paths import places
 from backhoe.view.plots.style import (
@@ -213,7 +214,7 @@ def _dimension(ax: Axes, start: NDArray, end: NDArray, text: str, colour: str) -
 def _angle(
     ax: Axes, at: NDArray, start: float, end: float, radius: float, text: str, colour: str
 ) -> None:
-    turn = (end - start + np.pi) % (2 * np.pi) - np.pi
+    turn = wrap(end - start)
     low, high = np.degrees(sorted((start, start + turn)))
     ax.add_patch(Arc(at, 2 * radius, 2 * radius, theta1=low, theta2=high, color=colour, lw=1.6))
     middle = start + turn / 2

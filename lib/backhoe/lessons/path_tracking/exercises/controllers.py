@@ -17,7 +17,7 @@ def scaglia(pose: ArrayLike, goal: ArrayLike, dt: float, kv2: float, kw2: float)
     x, y, theta = pose
     dx, dy = goal[0] - x, goal[1] - y
     theta_d = np.arctan2(dy, dx)
-    turn = (theta_d - theta + np.pi) % (2 * np.pi) - np.pi
+    turn = wrap(theta_d - theta)
     V = kv2 * (dx * np.cos(theta) + dy * np.sin(theta)) / dt
     return np.array([V, kw2 * turn / dt])
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from backhoe.basics.angles import residual, wrap
 from backhoe.localisation import kalman
 from backhoe.localisation.kalman import engine
 
@@ -214,7 +215,7 @@ def test_the_extended_filter_agrees_with_filterpy_on_the_same_models():
             measured,
             to_mark_jacobian,
             to_mark,
-            residual=lambda a, b: kalman.residual(a, b, (1,)),
+            residual=lambda a, b: residual(a, b, (1,)),
         )
         ours.predict(command, DT)
         ours.update(measured)
@@ -255,7 +256,7 @@ def test_an_angle_is_wrapped_in_the_innovation_and_never_in_the_state():
 def test_an_unwrapped_innovation_throws_the_heading_off():
     u, z, states = robot_data(steps=200)
     z = z.copy()
-    z[:, 1] = kalman.wrap(z[:, 1])
+    z[:, 1] = wrap(z[:, 1])
     wrapped, raw = robot(), robot()
     for command, measured in zip(u, z, strict=True):
         for filter in (wrapped, raw):

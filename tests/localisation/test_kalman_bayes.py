@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from backhoe.basics.angles import wrap
 from backhoe.localisation import kalman
 
 
@@ -153,7 +154,7 @@ def test_effective_size_counts_particles_and_resampling_restores_it():
 
 def test_the_mean_of_directions_is_not_torn_at_half_a_turn():
     filter = kalman.ParticleFilter(
-        lambda x, u, dt: kalman.wrap(x + u * dt),
+        lambda x, u, dt: wrap(x + u * dt),
         lambda x: x,
         [[1e-4]],
         [[0.1]],
@@ -166,10 +167,10 @@ def test_the_mean_of_directions_is_not_torn_at_half_a_turn():
     )
     filter.predict(np.array([0.14]), 1.0)
     assert np.ptp(filter.particles) > 6, "some have wrapped"
-    assert abs(kalman.wrap(filter.x[0] - 3.14)) < 0.01
+    assert abs(wrap(filter.x[0] - 3.14)) < 0.01
     assert filter.P[0, 0] == pytest.approx(0.01, rel=0.1)
     filter.update([-3.1])
-    assert abs(kalman.wrap(filter.x[0] - 3.14)) < 0.03
+    assert abs(wrap(filter.x[0] - 3.14)) < 0.03
 
 
 def test_each_particle_may_have_its_own_noise():

@@ -252,7 +252,6 @@ def test_a_history_wants_one_prediction_at_a_time():
         ),
         (lambda: kalman.gain(np.eye(2), np.eye(3), np.eye(3)), "H has shape"),
         (lambda: kalman.numerical_jacobian(lambda x: x[0], [[1.0], [2.0]]), "function must return"),
-        (lambda: kalman.residual([1, 2], [1, 1], (5,)), "angles must be indices from 0 to 1"),
         (
             lambda: kalman.least_squares(F, H, np.zeros((2, 2)), R, [[1.0]], X0, P0),
             "Q must be positive definite",
@@ -263,14 +262,6 @@ def test_a_history_wants_one_prediction_at_a_time():
 def test_bad_input_is_named(call, message):
     with pytest.raises(ValueError, match=message):
         call()
-
-
-def test_wrap_is_within_half_a_turn():
-    angles = np.array([0.0, np.pi, -np.pi, 3.5, -3.5, 100.0])
-    found = kalman.wrap(angles)
-    assert ((found > -np.pi) & (found <= np.pi)).all()
-    np.testing.assert_allclose(np.exp(1j * found), np.exp(1j * angles), atol=1e-13)
-    np.testing.assert_allclose(kalman.residual(angles, 0.0 * angles, range(6)), found, atol=1e-13)
 
 
 def test_importing_the_filters_loads_nothing_heavy():

@@ -171,18 +171,6 @@ def test_advance_repeated_is_integrate(method):
     )
 
 
-def test_composing_poses_multiplies_their_matrices():
-    rng = np.random.default_rng(8)
-    a, b = rng.normal(size=(2, 50, 3))
-    np.testing.assert_allclose(
-        odometry.se2_matrix(odometry.compose(a, b)),
-        odometry.se2_matrix(a) @ odometry.se2_matrix(b),
-        atol=1e-14,
-    )
-    np.testing.assert_allclose(odometry.compose(a, odometry.relative(a, b)), b, atol=1e-14)
-    assert odometry.compose(a, b)[:, 2].tolist() == (a[:, 2] + b[:, 2]).tolist()
-
-
 def test_sums_are_rectangles_and_trapezoids_on_uneven_steps():
     t = np.array([0.0, 0.5, 2.0, 2.25])
     v = np.array([[1.0, 2.0, -1.0, 4.0], [0.0, 1.0, 1.0, 1.0]])
@@ -262,8 +250,6 @@ def test_more_bad_input_is_named():
         odometry.from_samples(START, [0, 1], [1, 1], [0, 0], method="best")
     with pytest.raises(ValueError, match="x0 must be one position"):
         odometry.euler_sum([0, 1], [1, 1], [0, 0])
-    with pytest.raises(ValueError, match="alike in shape"):
-        odometry.compose(np.zeros((2, 3)), np.zeros((4, 3)))
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,6 @@ Source: Mastalli 2013, chapter 4.
 
 from __future__ import annotations
 
-from backhoe.basics.angles import residual, wrap
 from backhoe.localisation.kalman.batch import BatchExtendedKalmanFilter
 from backhoe.localisation.kalman.bayes import DiscreteBayesFilter
 from backhoe.localisation.kalman.consistency import (
@@ -61,7 +60,6 @@ __all__ = [
     "nees",
     "nis",
     "numerical_jacobian",
-    "residual",
     "rts_smoother",
     "share_inside",
     "short_form",
@@ -69,5 +67,4 @@ __all__ = [
     "transition",
     "unobservable",
     "update",
-    "wrap",
 ]

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics import angles
 from backhoe.lessons.exercise import Exercise
 from backhoe.localisation import kalman, odometry
 from backhoe.machine import BACKHOE
@@ -171,7 +172,7 @@ def cycle(
     s, d = tracks_twist(left, right)
     F, Q = step_jacobian(x[2], s, d, 1.0), encoder_noise(x[2], left, right, M)
     x = odometry.advance(x, s, d, "midpoint")
-    z = x[2] + kalman.wrap(yaw - x[2])
+    z = x[2] + angles.wrap(yaw - x[2])
     return kalman.update(x, F @ P @ F.T + Q, [z], [[0, 0, 1]], [[R]])
 
 
@@ -194,7 +195,7 @@ def _other(
     yaw: float,
     M: float,
     R: float,
-    wrap: Callable = kalman.wrap,
+    wrap: Callable = angles.wrap,
     after: bool = False,
     carried: bool = True,
     sign: float = 1.0,

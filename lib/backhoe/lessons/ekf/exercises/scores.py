@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.basics.angles import residual, wrap
 from backhoe.lessons.exercise import Exercise
 from backhoe.localisation import fusion, kalman
 
@@ -27,7 +28,7 @@ def _claims(rng: np.random.Generator) -> list[tuple]:
 def _squared(
     e: NDArray, P: NDArray, angles: Sequence[int] = (2,), weight: Callable = np.linalg.inv
 ) -> float:
-    e = kalman.residual(e, 0.0, angles)
+    e = residual(e, 0.0, angles)
     return e @ weight(P) @ e
 
 
@@ -80,7 +81,7 @@ def _drives(rng: np.random.Generator) -> list[tuple]:
         speed = rng.uniform((-1.0, -1.0, 0.5), (1.0, 1.0, 0.9))
         drift = t_e[:, None] * (0.8, -0.6, 0.03) + 0.05 * rng.normal(size=(len(t_e), 3))
         pose, pose_e = t[:, None] * speed, t_e[:, None] * speed + drift
-        pose[:, 2], pose_e[:, 2] = kalman.wrap(pose[:, 2]), kalman.wrap(pose_e[:, 2])
+        pose[:, 2], pose_e[:, 2] = wrap(pose[:, 2]), wrap(pose_e[:, 2])
         cases.append((t, pose, t_e, pose_e))
     return cases
 
@@ -90,7 +91,7 @@ def _errors(
 ) -> NDArray:
     grid = np.arange(0.0, min(t[-1], t_e[-1]) + 1e-9, _PERIOD)
     at, at_e = (np.argmin(np.abs(one - grid[:, None]), axis=1) for one in (t, t_e))
-    return kalman.residual(pose_e[at_e], pose[at], angles)
+    return residual(pose_e[at_e], pose[at], angles)
 
 
 def _rms(e: NDArray) -> NDArray:
@@ -102,7 +103,7 @@ def _scored(score: Callable, angles: Sequence[int] = (2,)) -> Callable:
 
 
 def _by_place(t: NDArray, pose: NDArray, t_e: NDArray, pose_e: NDArray) -> NDArray:
-    return _rms(kalman.residual(pose_e[: len(t)], pose, (2,)))
+    return _rms(residual(pose_e[: len(t)], pose, (2,)))
 
 
 RMSE = Exercise(

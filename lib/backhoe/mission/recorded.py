@@ -48,7 +48,7 @@ def drive_the_machine(
     belts = rows[:, 6:8] / machine.tracks.sprocket_radius
     motion = _motion(rows)
     return sense(
-        "the machine on its tracks", motion, tuple(belts.T), np.nan, None, seed, noise, machine
+        "the machine on its tracks", motion, tuple(belts.T), seed=seed, noise=noise, machine=machine
     )
 
 

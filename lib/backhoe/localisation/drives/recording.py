@@ -141,24 +141,35 @@ def record(
     apart = tracks.gauge / 2 * motion.omega / turning
     sprockets = tuple((motion.v + side) / tracks.sprocket_radius for side in (-apart, apart))
     label = name if turning == 1 else f"{name} with slip"
-    return sense(label, motion, sprockets, turning, runs, seed, noise, machine)
+    return sense(
+        label,
+        motion,
+        sprockets,
+        turning=turning,
+        runs=runs,
+        seed=seed,
+        noise=noise,
+        machine=machine,
+    )
 
 
 def sense(
     name: str,
     motion: Truth,
     sprockets: tuple[NDArray, NDArray],
-    turning: float,
-    runs: int | None,
-    seed: int,
-    noise: Noise,
-    machine: Machine,
+    *,
+    turning: float = np.nan,
+    runs: int | None = None,
+    seed: int = SEED,
+    noise: Noise = NOISE,
+    machine: Machine = BACKHOE,
 ) -> Recording:
-    """Put the noise of encoders and IMU on a true motion; arguments as `record`.
+    """Put the noise of encoders and IMU on a true motion.
 
     Args:
         motion: the truth.
         sprockets: true rates of the left and right one, shape (n,) each [rad/s].
+        name, turning, runs, seed, noise, machine: as for `record`; turning NaN if nobody knows.
     """
     seed, shape = whole(seed, "seed", least=0), motion.time.shape
     if runs is not None:

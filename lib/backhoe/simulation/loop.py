@@ -47,7 +47,7 @@ class Snapshot:
     payload: float
     in_soil: bool
     ground: object
-    engine: object
+    kept: object
 
 
 class Loop:
@@ -156,8 +156,7 @@ class Loop:
                 traction with a fixed base.
             RuntimeError: the simulation is closed, or the machine ran away.
         """
-        if self._closed:
-            self._refuse()
+        self._check_open()
         driven = traction is not None
         if driven and belts is not STANDING:
             raise ValueError("give belts (speeds) or traction (forces), not both")
@@ -203,7 +202,8 @@ class Loop:
             else None
         )
         self._load(0.0)
-        self._place(np.concatenate([pose, q]), np.zeros(7))
+        self._state.q[:] = *pose, *q
+        self._place()
 
     def snapshot(self) -> Snapshot:
         """Everything that the future depends on; pass it to `restore`."""
@@ -215,9 +215,9 @@ class Loop:
             float(self._numbers.load[1]),
             self._in_soil,
             None if self.ground is None else self.ground.snapshot(),
-            self._engine_snapshot(),
+            self._keep(),
         )
-        weakref.finalize(made, self._engine_forget, made.engine)
+        weakref.finalize(made, self._forget, made.kept)
         return made
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -236,7 +236,7 @@ class Loop:
             self.ground.restore(snapshot.ground)
         self._in_soil = snapshot.in_soil
         self._load(snapshot.payload)
-        self._engine_restore(snapshot.engine)
+        self._bring_back(snapshot.kept)
 
     def close(self) -> None:
         """Release what the simulation holds; a second call does nothing."""
@@ -268,27 +268,26 @@ class Loop:
         """Advance coordinates and rates in self._state under its forces."""
         raise NotImplementedError
 
-    def _place(self, q: NDArray, dq: NDArray) -> None:
-        """Put the machine at coordinates q with rates dq, shape (7,)."""
-        self._state.q[:], self._state.dq[:] = q, dq
+    def _place(self) -> None:
+        """Put the machine at the coordinates in self._state, at rest."""
 
     def _carry(self, payload: float) -> None:
         """Take `payload` [kg] along at the bucket's centre of mass."""
 
     def _open(self) -> None:
-        """Prepare the engine."""
+        """Prepare the backend."""
 
     def _shut(self) -> None:
-        """Release the engine."""
+        """Release the backend."""
 
-    def _engine_snapshot(self) -> object:
-        """State of the engine beyond coordinates and rates."""
+    def _keep(self) -> object:
+        """What there is to remember beyond the memory."""
 
-    def _engine_restore(self, state: object) -> None:
-        """Go back to what `_engine_snapshot` returned."""
+    def _bring_back(self, state: object) -> None:
+        """Go back to what `_keep` returned."""
 
-    def _engine_forget(self, state: object) -> None:
-        """Release what `_engine_snapshot` returned: its snapshot is gone."""
+    def _forget(self, state: object) -> None:
+        """Release what `_keep` returned: its snapshot is gone."""
 
     def _dig(self) -> None:
         """Let the soil move on at 100 Hz and, in it, feel it at 1 kHz."""
@@ -324,7 +323,6 @@ class Loop:
 
     def _check_open(self) -> None:
         if self._closed:
-            self._refuse()
-
-    def _refuse(self) -> None:
-        raise RuntimeError("this simulation is closed: open a new one with simulation.open_world()")
+            raise RuntimeError(
+                "this simulation is closed: open a new one with simulation.open_world()"
+            )

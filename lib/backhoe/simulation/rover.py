@@ -244,10 +244,10 @@ class Rover:
         """Put the robot at self._state, at rest."""
 
     def _open(self) -> None:
-        """Prepare the engine."""
+        """Prepare the backend."""
 
     def _shut(self) -> None:
-        """Release the engine."""
+        """Release the backend."""
 
     def _tick(self, rotors: NDArray) -> None:
         """One step of wheels and body, with rotors of this inertia (4,) at the wheels."""

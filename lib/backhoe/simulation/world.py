@@ -131,21 +131,18 @@ class BulletWorld(Loop):
         angles, rates, *_ = zip(*self._server.getJointStates(self._body, self._moving), strict=True)
         self._state.q[self._first :], self._state.dq[self._first :] = angles, rates
 
-    def _place(self, q: NDArray, dq: NDArray) -> None:
-        super()._place(q, dq)
-        for index, angle, speed in zip(
-            self._moving, q[self._first :], dq[self._first :], strict=True
-        ):
-            self._server.resetJointState(self._body, index, angle, speed)
+    def _place(self) -> None:
+        for index, angle in zip(self._moving, self._state.q[self._first :], strict=True):
+            self._server.resetJointState(self._body, index, angle)
         self._read()
 
-    def _engine_snapshot(self) -> int:
+    def _keep(self) -> int:
         return self._server.saveState()
 
-    def _engine_restore(self, state: int) -> None:
+    def _bring_back(self, state: int) -> None:
         self._server.restoreState(stateId=state)
 
-    def _engine_forget(self, state: int) -> None:
+    def _forget(self, state: int) -> None:
         if not self._closed:
             self._server.removeState(state)
 

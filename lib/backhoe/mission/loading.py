@@ -141,9 +141,7 @@ def run(
         return _load(opened, cycles, given, record)
 
 
-def _load(
-    world: simulation.World, cycles: int, given: dict[str, Callable], record: bool
-) -> Run:
+def _load(world: simulation.World, cycles: int, given: dict[str, Callable], record: bool) -> Run:
     if world.ground is None:
         raise ValueError("the mission needs soil: open the world with soil=True")
     machine, dt = world.machine, world.dt

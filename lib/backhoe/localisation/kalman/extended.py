@@ -97,7 +97,7 @@ class ExtendedKalmanFilter(Filter):
                 finite. The filter is as before then.
         """
         dt, x, square = duration(dt), self._x, self._square
-        moved = self._states(self._f(x.copy(order="K"), u, dt), x.shape, "f(x, u, dt)")
+        moved = self._states(self._f(x.copy("K"), u, dt), x.shape, "f(x, u, dt)")
         F = self._matrices(self._jacobian(x, u, dt), square, "F(x, u, dt)")
         Q = self._Q
         if callable(Q):

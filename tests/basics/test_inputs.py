@@ -234,5 +234,7 @@ def test_kinds_and_functions_are_told_by_type():
         inputs.instance("x", "path", (list, tuple), "as from_points gives")
     assert inputs.function(len, "f", "f(x)") is len
     for value in (3, int, None):
-        with pytest.raises(TypeError, match=r"^f must be a function or an object to call: f\(x\)$"):
+        with pytest.raises(TypeError, match=r"^f must be a function or an object to call: f\(x\)"):
             inputs.function(value, "f", "f(x)")
+    with pytest.raises(TypeError, match=r"got a class: make one, int\(\.\.\.\)$"):
+        inputs.function(int, "f", "f(x)")

@@ -293,7 +293,8 @@ def instance(value: object, name: str, kind: type | tuple[type, ...], advice: st
 def function(value: object, name: str, form: str) -> object:
     """`value` if it can be called and is no class; TypeError that shows the form otherwise."""
     if isinstance(value, type) or not callable(value):
-        raise TypeError(f"{name} must be a function or an object to call: {form}")
+        made = f", got a class: make one, {value.__name__}(...)" if isinstance(value, type) else ""
+        raise TypeError(f"{name} must be a function or an object to call: {form}{made}")
     return value
 
 

@@ -57,7 +57,7 @@ def real_numbers(values: ArrayLike, name: str, meaning: str = "numbers") -> NDAr
         ValueError: text, truth values, complex numbers, dates, masked values, other objects, or
             rows of different lengths.
     """
-    if type(values) is np.ndarray and values.dtype is _FLOAT:
+    if type(values) is np.ndarray and (values.dtype is _FLOAT or values.dtype == _FLOAT):
         return values
     try:
         if not _masked(values) and not _no_number(values):

@@ -40,6 +40,12 @@ TRIANGLE = Mesh([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 SAID = {"title": "wave", "alt": "The arm waves."}
 
 
+def cells(terrain):
+    """The grid of a terrain with heights of its own that a test may change."""
+    grid = {name: getattr(terrain, name) for name in ("floor", "cell", "origin")}
+    return SimpleNamespace(heights=terrain.heights.copy(), **grid)
+
+
 class SmallWorld:
     """A stand-in for a simulation: joints that move, a ground that is dug, a bed that fills."""
 
@@ -49,8 +55,8 @@ class SmallWorld:
         self.q, self.pose = np.zeros(4), np.zeros(3)
         self.rng = rng
         self.ground = SimpleNamespace(
-            terrain=Terrain(0.1 * rng.random(shape), 0.08, (3.0, -2.0)),
-            bed=Terrain.bed((0.0, 4.0), 1.2, 0.8, 1.1, 1.9),
+            terrain=cells(Terrain(0.1 * rng.random(shape), 0.08, (3.0, -2.0))),
+            bed=cells(Terrain.bed((0.0, 4.0), 1.2, 0.8, 1.1, 1.9)),
             bucket_volume=0.0,
             truck_volume=0.0,
         )

@@ -51,33 +51,31 @@ def grow(box, i, j, shape):
     box[3] = min(max(box[3], j + 3), shape[1])
 
 
-def lowest_neighbour(cells, i, j, di, dj):
+def lowest_neighbour(heights, ceiling, i, j, di, dj):
     """Drop to the lower of the two neighbours along one axis that has room, and its step."""
-    heights = cells.heights
     h, drop, step = heights[i, j], 0.0, 0
     for s in (-1, 1):
         a, b = i + s * di, j + s * dj
         if 0 <= a < heights.shape[0] and 0 <= b < heights.shape[1]:
             down = h - heights[a, b]
-            if down > drop and heights[a, b] < cells.ceiling[a, b]:
+            if down > drop and heights[a, b] < ceiling[a, b]:
                 drop, step = down, s
     return drop, step
 
 
-def slide(cells, i, j, limit):
+def slide(heights, base, ceiling, i, j, limit):
     """Let one cell slide down where its slope exceeds the limit (a drop per cell); True if it did.
 
     The slope is the length of the downhill gradient, so that heaps come out round. Soil stays
-    above the floor and does not rise above the ceiling.
+    above `base` and does not rise above `ceiling`.
     """
-    heights, ceiling = cells.heights, cells.ceiling
-    drop_x, step_x = lowest_neighbour(cells, i, j, 0, 1)
-    drop_y, step_y = lowest_neighbour(cells, i, j, 1, 0)
+    drop_x, step_x = lowest_neighbour(heights, ceiling, i, j, 0, 1)
+    drop_y, step_y = lowest_neighbour(heights, ceiling, i, j, 1, 0)
     steep = sqrt(drop_x * drop_x + drop_y * drop_y)
     if steep <= limit * STEEPNESS_TOLERANCE:
         return False
     excess = (1.0 - limit / steep) / (3.0 if step_x != 0 and step_y != 0 else 2.0)
-    loose = heights[i, j] - cells.floor[i, j]
+    loose = heights[i, j] - base[i, j]
     if loose <= 0.0:
         return False
     slides = excess * (drop_x + drop_y)
@@ -101,8 +99,8 @@ def relax(cells, limit, sweeps):
 
     The direction of the sweep turns, so that no side is favoured.
     """
-    cells = Cells(*cells)
-    box, shape = cells.box, cells.heights.shape
+    heights, base, ceiling, box, _, _, _ = cells
+    shape = heights.shape
     moving = np.empty(4, np.int64)
     for sweep in range(sweeps):
         moving[0], moving[1], moving[2], moving[3] = shape[0], 0, shape[1], 0
@@ -111,7 +109,7 @@ def relax(cells, limit, sweeps):
             i = box[0] + a if sweep & 1 == 0 else box[1] - 1 - a
             for b in range(columns):
                 j = box[2] + b if sweep & 2 == 0 else box[3] - 1 - b
-                if slide(cells, i, j, limit):
+                if slide(heights, base, ceiling, i, j, limit):
                     grow(moving, i, j, shape)
         box[:] = moving
         if box[0] >= box[1]:

@@ -14,7 +14,6 @@ import numpy as np
 from backhoe.basics.angles import wrap
 from backhoe.machine import Shell
 from backhoe.simulation.soil.bucket_pose import BucketPose, between, distance, turn
-from backhoe.simulation.soil.cells import turned
 from backhoe.simulation.soil.terrain import Contact, Terrain
 
 
@@ -38,7 +37,7 @@ class Digger:
     def __init__(self, terrain: Terrain, shell: Shell, sinkage: float) -> None:
         self.terrain, self.sinkage = terrain, sinkage
         self.half = shell.width / 2
-        self.profile = np.array(shell.profile)
+        self.profile, self.lip = np.array(shell.profile), shell.profile[-1]
         self.reach = max(hypot(x, y) for x, y in shell.profile)
 
     def move(self, before: BucketPose, now: BucketPose, room: float) -> Dug:
@@ -62,8 +61,9 @@ class Digger:
 
     def lower_lip(self, now: BucketPose) -> tuple[float, float]:
         """u and height over the tip of the lip over which soil falls out [m]."""
-        u, z = turned(self.profile, now.pitch)
-        return (0.0, 0.0) if z[-1] >= 0 else (float(u[-1]), float(z[-1]))
+        (x, y), c, s = self.lip, cos(now.pitch), sin(now.pitch)
+        u, z = x * c - y * s, x * s + y * c
+        return (0.0, 0.0) if z >= 0 else (u, z)
 
     def before_mouth(self, now: BucketPose) -> float:
         """Nearest u in front of the teeth from where no soil gets under the shell [m]."""

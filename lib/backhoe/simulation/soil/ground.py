@@ -12,7 +12,7 @@ teeth, x from the pin through the teeth, y towards the back plate, z across. Wha
 
 from __future__ import annotations
 
-from math import isfinite
+from math import inf, isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -120,7 +120,8 @@ class Ground:
         """
         now = from_transform(T_tip)
         velocity = _vector(tip_velocity, "tip_velocity")
-        dt = positive(dt, "dt", "s")
+        if not 0.0 < dt < inf:
+            positive(dt, "dt", "s")
         before = self._before or now
         if distance(before, now) > LONGEST_STEP:
             raise ValueError(
@@ -240,6 +241,7 @@ class Ground:
 def _vector(values: ArrayLike, name: str) -> list[float]:
     """Three finite numbers; the door is asked what is wrong where they are none."""
     vector = real_numbers(values, name)
-    if vector.shape != (3,) or not isfinite(sum(vector.tolist())):
+    three = vector.tolist()
+    if vector.shape != (3,) or not isfinite(sum(three)):
         numbers(vector, name, (3,))
-    return vector.tolist()
+    return three

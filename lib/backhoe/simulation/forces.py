@@ -148,7 +148,7 @@ def push(numbers, memory, torque, command, driven, dt):
     tip_force(numbers.reach, state)
     if driven:
         weight, pull = ground_force(numbers, state, dt)
-        state.traction[:] = command
+        state.traction[0], state.traction[1] = command[0], command[1]
         drive_belts(numbers.belt, state.belts, state.traction, pull, weight, dt)
     else:
         state.traction[:] = 0.0

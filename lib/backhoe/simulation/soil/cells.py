@@ -111,7 +111,8 @@ def relax(cells, limit, sweeps):
                 j = box[2] + b if sweep & 2 == 0 else box[3] - 1 - b
                 if slide(heights, base, ceiling, i, j, limit):
                     grow(moving, i, j, shape)
-        box[:] = moving
+        for k in range(4):  # a slice would have its error message compiled along
+            box[k] = moving[k]
         if box[0] >= box[1]:
             return sweep
     return sweeps

@@ -22,7 +22,7 @@ import control
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from backhoe.vehicle import skid_steer
+from backhoe.vehicle import skid_steer, tracking
 from backhoe.vehicle.skid_steer import HUSKY, SkidSteerPlant, simulate
 
 RUNS, LEGS, SAMPLES, DT = 500, 5, 1000, 0.02
@@ -161,11 +161,27 @@ def measure_plants() -> list[bool]:
     return lines
 
 
+def measure_trackers() -> list[bool]:
+    """A minute of a figure of eight at 50 Hz, lesson 05's comparison, by each tracker."""
+    path = tracking.figure_eight().with_times(10.3 / 60)
+    lines = []
+    for name, tracker in tracking.TRACKERS.items():
+
+        def drive(tracker: Callable = tracker) -> tracking.Follow:
+            plant = SkidSteerPlant(HUSKY, DT, "kinematic")
+            return tracking.follow(tracker(), plant, path, mode="trajectory", period=DT)
+
+        seconds, run = best(drive)
+        assert len(run.time) > 2600
+        lines.append(report(f"a minute at 50 Hz by {name}", seconds, "s", 0.4))
+    return lines
+
+
 def main() -> int:
     rng = np.random.default_rng(0)
     legs = rng.uniform([-1.0, -1.0], [1.0, 1.0], (RUNS, LEGS, 2))
     lines = [line for model in MODELS for line in measure(model, legs)]
-    return 0 if all(lines + measure_plants()) else 1
+    return 0 if all(lines + measure_plants() + measure_trackers()) else 1
 
 
 if __name__ == "__main__":

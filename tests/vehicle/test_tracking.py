@@ -646,22 +646,6 @@ def test_the_tuned_trackers_bring_the_options_they_are_given():
     assert tracking.TRACKERS["Scaglia v2"]().period == tuned_trackers.SCAGLIA_PERIOD
 
 
-@pytest.mark.alone
-def test_a_minute_at_50_hz_takes_well_under_half_a_second():
-    from time import process_time
-
-    path = tracking.figure_eight().with_times(10.3 / 60)
-    for name in tracking.TRACKERS:
-        best = np.inf
-        for _ in range(3):
-            plant = SkidSteerPlant(skid_steer.HUSKY, 0.02, "kinematic")
-            start = process_time()
-            run = follow(tracking.TRACKERS[name](), plant, path, mode="trajectory", period=0.02)
-            best = min(best, process_time() - start)
-        assert len(run.time) > 2600
-        assert best < 0.4
-
-
 def waypoint_at(position, next_position, path, speed=0.3):
     return tracking.Goal(np.array(position), np.array(next_position), speed, np.array(path), 0.1)
 

@@ -129,7 +129,7 @@ def test_an_effective_gauge_makes_turns_shorter_and_leaves_the_way():
     wide = replace(BACKHOE, tracks=replace(BACKHOE.tracks, gauge=2 * BACKHOE.tracks.gauge))
     assert tracks_twist(1.0, 2.0, wide)[1] == pytest.approx(omega / 2)
     np.testing.assert_allclose(
-        odometry.tracks(gauge=4.0).body, odometry.tracks(wide).body, rtol=1e-14
+        odometry.tracks(gauge=wide.tracks.gauge).body, odometry.tracks(wide).body, rtol=1e-14
     )
 
 

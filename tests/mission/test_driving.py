@@ -9,7 +9,7 @@ from backhoe.vehicle import tracking, travel
 from backhoe.vehicle.tracking import PurePursuit
 from backhoe.vehicle.travel import VelocityPI
 
-WIDE = replace(BACKHOE, tracks=replace(BACKHOE.tracks, gauge=3.0))
+NARROW, WIDE = (replace(BACKHOE, tracks=replace(BACKHOE.tracks, gauge=g)) for g in (2.0, 3.0))
 SHORT = tracking.from_points([(0.0, 0.0), (1.5, 0.0), (2.5, 0.6)], 0.1).with_times(0.4)
 
 
@@ -115,8 +115,10 @@ def test_a_wrong_sign_of_the_turning_loop_is_plain_to_see():
         return right, left
 
     score = mission.score(short(path=BEND, velocity_controller=crossed))
-    assert score.distance > 3 * score.reference.distance
-    assert score.way < 0.7 and not score.reached and score.reference.reached
+    assert score.way < 0.5 < 1.0 < score.reference.way  # it spins on the spot at the first turn
+    assert score.late > 0.4 * score.time and abs(score.reference.late) < 0.1
+    assert score.push > 1.5 * score.reference.push
+    assert not score.reached and score.reference.reached
     assert "velocity_controller" in str(score) and "library" in str(score)
 
 
@@ -126,27 +128,22 @@ def test_without_the_integral_the_friction_of_turning_pushes_it_off_the_path():
     assert score.distance > 2 * score.reference.distance
 
 
-def test_a_missing_lever_shows_on_a_wider_machine_and_only_there():
-    lever = WIDE.tracks.gauge / 2
-    with_lever, without = (
-        short(machine=WIDE, velocity_controller=VelocityPI(lever=value, limit=np.inf))
-        for value in (lever, 1.0)
-    )
-    errors = [
-        np.abs(run.command[:-1, 1] - run.twist[1:, 1]).mean() for run in (with_lever, without)
-    ]
-    assert errors[1] > 1.2 * errors[0]
-    same = [
-        short(velocity_controller=VelocityPI(lever=value))
-        for value in (BACKHOE.tracks.gauge / 2, 1)
-    ]
-    np.testing.assert_array_equal(same[0].pose, same[1].pose)
+def test_a_missing_lever_shows_the_more_the_wider_the_machine_and_not_on_2_m():
+    worse = []
+    for machine in (NARROW, BACKHOE, WIDE):
+        runs = [
+            short(machine=machine, velocity_controller=VelocityPI(lever=lever, limit=np.inf))
+            for lever in (machine.tracks.gauge / 2, 1.0)
+        ]
+        with_it, without = (np.abs(run.command[:-1, 1] - run.twist[1:, 1]).mean() for run in runs)
+        worse.append(without / with_it)
+    assert worse[0] == 1.0
+    assert 1.15 < worse[1] < 1.3 and worse[2] > 1.4
 
 
 def test_a_tracker_that_only_drives_ahead_leaves_the_path():
     score = mission.score(short(tracker=lambda pose, twist, goal, dt: (goal.speed, 0.0)))
-    assert score.farthest > 0.5
-    assert score.reference.farthest < 0.1
+    assert score.farthest > 0.5 > 4 * score.reference.farthest
 
 
 def test_a_recorded_drive_is_replayed_with_its_path_in_view():

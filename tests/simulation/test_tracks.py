@@ -85,7 +85,7 @@ def test_belts_follow_within_speed_and_acceleration(world):
 
 def test_turning_on_the_spot_slips_like_a_tracked_machine(world):
     drive(world, 3.0, (-0.5, 0.5))
-    assert world.twist[2] * TRACK.gauge / 1.0 == pytest.approx(0.75, abs=0.05)
+    assert world.twist[2] * TRACK.gauge / 1.0 == pytest.approx(0.73, abs=0.03)
     assert np.hypot(*world.pose[:2]) < 0.05
 
 

@@ -114,7 +114,7 @@ def test_limits_of_a_vehicle_and_of_the_tracks():
     assert husky.half_track == skid_steer.HUSKY.half_track
     tracks = Limits.of_tracks()
     assert tracks.max_speed == pytest.approx(1.5)
-    assert tracks.max_turn_rate == pytest.approx(1.5)
+    assert tracks.max_turn_rate == pytest.approx(1.5 / 1.19)
 
 
 @pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, np.inf, "fast", None])

@@ -65,7 +65,7 @@ def test_a_turn_to_the_left_circles_a_point_on_the_left():
 
 
 def test_tracks_follow_the_machine():
-    wide = replace(BACKHOE, tracks=replace(BACKHOE.tracks, gauge=4.0))
+    wide = replace(BACKHOE, tracks=replace(BACKHOE.tracks, gauge=2 * BACKHOE.tracks.gauge))
     assert tracks_twist(-1, 1, wide)[1] == tracks_twist(-1, 1)[1] / 2
 
 

@@ -13,7 +13,7 @@ from backhoe.vehicle import motor, travel
 from backhoe.vehicle.travel import StepModel, VelocityPI
 
 TRACK = BACKHOE.tracks
-WIDE = replace(BACKHOE, tracks=replace(TRACK, gauge=2.6))
+NARROW, WIDE = (replace(BACKHOE, tracks=replace(TRACK, gauge=gauge)) for gauge in (2.0, 2.6))
 LOOPS = [
     StepModel(19.5e3, 240e3, 180e3),
     StepModel(60e3, 100e3, 180e3),
@@ -43,7 +43,7 @@ def test_the_printed_gains_are_those_of_table_32():
     np.testing.assert_array_equal(VelocityPI().kp, kp)
 
 
-@pytest.mark.parametrize("machine", [BACKHOE, WIDE])
+@pytest.mark.parametrize("machine", [BACKHOE, NARROW, WIDE])
 def test_with_the_lever_it_is_a_pi_on_each_tracks_own_error(machine):
     gauge, dt = machine.tracks.gauge, 0.02
     controller = VelocityPI(limit=np.inf, lever=gauge / 2)
@@ -58,11 +58,16 @@ def test_with_the_lever_it_is_a_pi_on_each_tracks_own_error(machine):
         np.testing.assert_allclose(forces, kp * errors + ki * sums, rtol=1e-12)
 
 
-def test_the_lever_of_this_machine_is_1_m_and_of_another_it_is_not():
+def test_the_lever_is_1_m_on_a_gauge_of_2_m_alone_and_ours_is_longer():
     arguments = (0.5, 0.2, 0.4, 0.1, 0.02)
-    plain = VelocityPI(limit=np.inf)(*arguments)
-    assert plain == VelocityPI(limit=np.inf, lever=TRACK.gauge / 2)(*arguments)
-    assert plain != VelocityPI(limit=np.inf, lever=WIDE.tracks.gauge / 2)(*arguments)
+    left, right = VelocityPI(limit=np.inf)(*arguments)
+    assert (left, right) == VelocityPI(limit=np.inf, lever=NARROW.tracks.gauge / 2)(*arguments)
+    for machine in (BACKHOE, WIDE):
+        lever = machine.tracks.gauge / 2
+        with_lever = VelocityPI(limit=np.inf, lever=lever)(*arguments)
+        assert with_lever[1] - with_lever[0] == pytest.approx(lever * (right - left))
+        assert sum(with_lever) == pytest.approx(left + right)
+    assert TRACK.gauge / 2 == pytest.approx(1.19)
 
 
 def test_no_track_is_asked_for_more_than_its_drive_gives_and_turning_comes_first():

@@ -159,6 +159,11 @@ class Tracks:
         _keep(self, positive, *(field.name for field in fields(self)))
 
     @property
+    def com_height(self) -> float:
+        """Of the undercarriage's centre of mass above the ground [m]: half the tracks' height."""
+        return self.height / 2
+
+    @property
     def yaw_inertia(self) -> float:
         """About the middle, upwards [kg m^2]: two slender tracks, half a gauge off."""
         return self.mass * (self.length**2 / 12 + self.gauge**2 / 4)
@@ -326,19 +331,19 @@ BACKHOE = Machine(
         ),
     ),
     tracks=Tracks(
-        gauge=2.0,
-        length=2.9,
-        shoe_width=0.5,
+        gauge=2.38,
+        length=3.65,
+        shoe_width=0.6,
         height=0.85,
         sprocket_radius=0.35,
         max_speed=1.5,
         acceleration=1.0,
-        mass=4500.0,
+        mass=8500.0,
         friction_longitudinal=0.8,
         friction_lateral=0.6,
-        belt_mass=1000.0,
+        belt_mass=1300.0,
         rolling_resistance=0.06,
-        max_traction=70e3,
+        max_traction=100e3,
     ),
     shell=Shell(
         width=1.2,

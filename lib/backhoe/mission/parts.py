@@ -93,10 +93,10 @@ DRIVE_PARTS = {
 
 STROKE = (
     ("turn to the heap", 4.5, 6.3, 4.2, 60),
-    ("cut in", 2.5, 6.4, 1.9, 84),
-    ("pull", 2.4, 5.6, 1.55, 83),
-    ("curl", 2.0, 6.1, 0.6, 6),
-    ("lift", 3.0, 6.0, 3.4, -36),
+    ("cut in", 2.5, 6.0, 1.9, 84),
+    ("pull", 2.4, 5.2, 1.55, 83),
+    ("curl", 2.0, 5.7, 0.6, 6),
+    ("lift", 3.0, 5.8, 3.4, -36),
 )
 """Name, seconds, reach from the swing axis [m], height [m], bucket angle [deg] of the digging."""
 

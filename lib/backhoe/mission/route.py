@@ -13,14 +13,14 @@ from backhoe.vehicle.tracking import Path, from_points
 SPEED = 0.4
 """Speed along the route [m/s]: ours."""
 
-_RUN_UP, _RADIUS, _TURN, _BAR, _SPACING = 2.0, 3.5, 1.2, 2.8, 0.1
+_RUN_UP, _RADIUS, _TURN, _BAR, _SPACING = 2.0, 3.5, 1.4, 2.6, 0.1
 
 
 def default_route(speed: float = SPEED) -> Path:
     """A G from the origin along x, about 23 m long and 7 m high.
 
     A run-up of 2 m, three quarters of a circle of radius 3.5 m to the left, a tight quarter of
-    radius 1.2 m inwards and the bar.
+    radius 1.4 m inwards and the bar.
 
     Args:
         speed: that the times are for [m/s].

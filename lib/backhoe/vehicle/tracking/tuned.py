@@ -40,4 +40,4 @@ TRACKERS_ON_TRACKS = {
     "Scaglia v3": partial(ScagliaRungeKutta, period=0.4),
     "pure pursuit": partial(PurePursuit, 1.0),
 }
-"""The same for the backhoe, which is 17 t heavy and swings into its turns slowly."""
+"""The same for the backhoe, which is 21.5 t heavy and swings into its turns slowly."""

@@ -97,7 +97,9 @@ def test_the_balance_of_moments_predicts_how_the_excavator_turns():
             excavator.step(0.0, 0.3)
         left, right = excavator.belts
         measured = (right - left) / (2 * excavator.twist[1])
-    assert measured == pytest.approx(brentq(moment, 1.001, 5.0), rel=0.005)
+    assert measured == pytest.approx(
+        brentq(moment, BACKHOE.tracks.gauge / 2 + 0.01, 5.0), rel=0.005
+    )
 
 
 def test_the_printed_cubes_have_the_printed_inertias():

@@ -14,7 +14,7 @@ from backhoe.simulation import backends, engine, forces
 from backhoe.simulation.loop import REST
 
 STIFF = np.array([1.2e6, 1.5e6, 4e5, 1.2e5]), np.array([4e5, 3e5, 6e4, 1.5e4])
-DIG = np.radians([[-90, 12, -5, 75], [-90, -8, 5, 70], [-90, -8, -30, 30], [-90, 25, -45, -20]])
+DIG = np.radians([[-90, 12, -4, 84], [-90, 10, -29, 83], [-90, -1, -12, 6], [-90, 28, 0, -36]])
 
 
 @pytest.fixture(params=["pybullet", "analytic"])
@@ -31,15 +31,15 @@ def world(backend):
 
 
 def follow(world, way, seconds):
-    """Drive the joints along way-points; the log of coordinates, rates and soil."""
+    """Drive the joints from way-point to way-point, gently; the log of coordinates and soil."""
     kp, kd = STIFF
     steps = round(seconds / world.dt)
     way = np.vstack([world.q, way])
     log = []
     for k in range(steps):
         at = k / steps * (len(way) - 1)
-        leg = int(at)
-        q_ref = way[leg] + (at - leg) * (way[leg + 1] - way[leg])
+        leg, share = int(at), at % 1.0
+        q_ref = way[leg] + share**2 * (3 - 2 * share) * (way[leg + 1] - way[leg])
         torque = kp * (q_ref - world.q) - kd * world.dq + dynamics.gravity_torque(world.q)
         world.step(torque)
         log.append([*world.pose, *world.q, *world.twist, *world.dq, world.ground.bucket_volume])
@@ -70,7 +70,7 @@ def test_both_backends_dig_the_same_soil():
         with simulation.open_world(backend=backend) as world:
             logs.append(follow(world, DIG, 8.0))
     loading = slice(0, 6000)
-    assert logs[0][loading][-1, -1] > 0.5
+    assert logs[0][loading][-1, -1] > 0.4
     # Later, soil that slides in one world and just stands in the other makes round-off grow.
     np.testing.assert_allclose(logs[0][loading], logs[1][loading], atol=1e-9)
 
@@ -223,10 +223,11 @@ def test_two_simulations_run_side_by_side(backend):
         kp, kd = STIFF
         way = np.vstack([one.q, DIG[:1]])
         for k in range(1000):
-            q_ref = way[0] + k / 1000 * (way[1] - way[0])
+            share = k / 1000
+            q_ref = way[0] + share**2 * (3 - 2 * share) * (way[1] - way[0])
             torque = kp * (q_ref - one.q) - kd * one.dq + dynamics.gravity_torque(one.q)
             one.step(torque)
-            other.step(-torque)
+            other.step(0.5 * torque)
             got.append([*one.q])
         assert np.abs(other.q - one.q).max() > 0.1
     np.testing.assert_array_equal(np.array(got), expected[:, 3:7])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from backhoe import simulation
-from backhoe.arm import dynamics
+from backhoe.arm import dynamics, kinematics
 from backhoe.machine import BACKHOE
 from backhoe.simulation import tracks
 from backhoe.simulation.forces import numbers_of
@@ -114,6 +114,9 @@ def test_the_machine_keeps_its_place_under_a_full_swing_and_does_not_creep(world
 
 
 def test_a_push_at_the_tip_beyond_the_friction_moves_the_machine(world):
+    """The teeth are on the ground, where a level push moves the machine and does not tip it."""
+    world.reset(np.radians([-90.0, 5.3, -27.8, 75.0]))
+    assert abs(kinematics.forward_kinematics(world.q)[2, 3]) < 0.03
     world._state.soil[:3] = -1.2 * TRACK.friction_longitudinal * WEIGHT, 0.0, 0.0
     drive(world, 1.0, (0.0, 0.0))
     assert world.pose[0] < -0.1

@@ -21,6 +21,7 @@ from backhoe.mission.estimation import EstimatedPlant
 from backhoe.mission.parts import DRIVE_PARTS
 from backhoe.mission.records import Record, recorder_of
 from backhoe.mission.route import SPEED, default_route
+from backhoe.simulation.standing import Least
 from backhoe.simulation.tracked_plant import TrackedPlant
 from backhoe.vehicle.tracking import (
     ARRIVAL,
@@ -45,12 +46,15 @@ class DriveRun(Follow, Record):
     """What happened, one row for each sample and one for the end: a `tracking.Follow`, and more.
 
     `traction` (n, 2), the forces of the left and right track until that time [N], None for a plant
-    without tracks; `own_plant`, `fixes` [s], `seed`, `time_limit` [s] as `drive` was told. All of
+    without tracks; `margin` (n,) of its balance [m] and the `least` since the plant's start, None
+    as well; `own_plant`, `fixes` [s], `seed`, `time_limit` [s] as `drive` was told. All of
     that and the `pose` is the truth. Where the machine took itself to be is in `estimates`, (n, 3)
     [m, m, rad] by the estimator's name; empty if it was told the truth.
     """
 
     traction: NDArray | None
+    margin: NDArray | None
+    least: Least | None
     estimates: dict[str, NDArray]
     own_plant: bool
     fixes: float | None
@@ -180,10 +184,16 @@ def _drive(
             f"{type(plant).__name__}"
         )
 
-    def look(plant: object) -> tuple[NDArray, NDArray | None]:
+    world = getattr(plant, "world", None)
+
+    def look(plant: object) -> tuple[NDArray, NDArray | None, float | None]:
         if recorder is not None:
             recorder.capture()
-        return np.array(plant.pose), getattr(plant, "traction", None)
+        return (
+            np.array(plant.pose),
+            getattr(plant, "traction", None),
+            getattr(world, "margin", None),
+        )
 
     driven = watched = Watched(plant, look)
     if estimators:
@@ -193,7 +203,7 @@ def _drive(
         tracker, name = _CheckedTracker(parts["tracker"]), tracker_name(parts["tracker"])
     limit = kept["time_limit"]
     run = follow(tracker, driven, path, mode=mode, time_limit=limit, speed=SPEED, name=name)
-    truth, traction = zip(*watched.seen, strict=True)
+    truth, traction, margin = zip(*watched.seen, strict=True)
     if estimators:
         run = _as_it_was(run, np.array(truth))
     estimates = driven.estimates if estimators else {}
@@ -204,6 +214,8 @@ def _drive(
         backend=getattr(plant, "backend", "own"),
         recorder=recorder,
         traction=None if traction[0] is None else np.array(traction),
+        margin=None if margin[0] is None else np.array(margin),
+        least=getattr(world, "least_margin", None),
         estimates={name: np.array(poses) for name, poses in estimates.items()},
         **kept,
     )

@@ -17,6 +17,7 @@ from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.mission.calls import call_part, given_parts, reset
 from backhoe.mission.parts import PARTS, WayPoint, hand_made_plan, smooth_trajectory
 from backhoe.mission.records import Record, recorder_of
+from backhoe.simulation.standing import lesser
 
 LOG_EVERY = 10
 
@@ -29,6 +30,7 @@ class Run(Record):
 
     `time` (n,) [s]; `q`, `q_ref` (n, 4) [rad]; `torque` (n, 4) [N m]; `bucket_volume`,
     `truck_volume` (n,) [m^3]; `in_the_air` (n,) whether the bucket is empty and touches no soil;
+    `margin` (n,) of the balance [m], and `least` of all its steps;
     `reached` (k, 4) against `wanted` (k, 4), stick's tip [m] and bucket
     angle [rad] at each way-point; `soil_lost` is the largest change of the sum of all soil [m^3];
     `scene` is that of its world.
@@ -44,6 +46,8 @@ class Run(Record):
     bucket_volume: NDArray
     truck_volume: NDArray
     in_the_air: NDArray
+    margin: NDArray
+    least: simulation.Least
     soil_lost: float
     wanted: NDArray
     reached: NDArray
@@ -124,6 +128,7 @@ def run(
         ValueError: no cycles, a world without soil, a part that returns the wrong shape or values
             that are not finite, a way-point that a joint cannot reach in its time.
         TypeError: a part of an unknown name, or one that cannot be called.
+        Tipped: the machine tips over (a RuntimeError).
     """
     given = given_parts(
         PARTS,
@@ -159,7 +164,7 @@ def _load(world: simulation.World, cycles: int, given: dict[str, Callable], reco
     departures = {round(time / dt): index for index, time in enumerate(times[:-1])}
     arrivals = {round(time / dt): index for index, time in enumerate(times[1:])}
     reached = np.zeros_like(wanted)
-    log = []
+    log, least = [], simulation.Least(world.margin, 0.0, world.edge)
     for step in range(len(t)):
         q, dq = world.q, world.dq
         if step in arrivals:
@@ -169,11 +174,20 @@ def _load(world: simulation.World, cycles: int, given: dict[str, Callable], reco
         if step % LOG_EVERY == 0:
             ground = world.ground
             volumes = ground.bucket_volume, ground.truck_volume, ground.total_volume
-            log.append((q.copy(), world.torque.copy(), *volumes, world.soil_force.any()))
+            felt = world.soil_force.any(), world.margin
+            log.append((q.copy(), world.torque.copy(), *volumes, *felt))
             if recorder is not None:
                 recorder.capture()
-        world.step(controller(q_ref[step], dq_ref[step], q, dq, dt) + gravity(q))
-    q_log, torque_log, bucket, truck, total, touching = map(np.array, zip(*log, strict=True))
+        try:
+            world.step(controller(q_ref[step], dq_ref[step], q, dq, dt) + gravity(q))
+        except simulation.Tipped as error:
+            late = waypoints[min(np.searchsorted(times, t[step], "right"), len(waypoints)) - 1]
+            error.add_note(f"This happened on the way to {late.name!r}.")
+            raise
+        least = lesser(least, world.margin, t[step] + dt, world.edge)
+    q_log, torque_log, bucket, truck, total, touching, margin = map(
+        np.array, zip(*log, strict=True)
+    )
     return Run(
         swapped=tuple(given),
         cycles=cycles,
@@ -188,6 +202,8 @@ def _load(world: simulation.World, cycles: int, given: dict[str, Callable], reco
         bucket_volume=bucket,
         truck_volume=truck,
         in_the_air=~touching & (bucket < 1e-6),
+        margin=margin,
+        least=least,
         soil_lost=float(np.abs(total - total[0]).max()),
         wanted=wanted,
         reached=reached,

@@ -17,14 +17,20 @@ from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.loading import Run, run
 from backhoe.vehicle.tracking import Path
 
+_MARGIN_ROWS = [
+    ("least margin [m]", "{:.2f}", lambda score: score.margin),
+    ("  that was at [s]", "{:.1f}", lambda score: score.margin_time),
+]
+
 
 @dataclass(frozen=True)
 class Score:
-    """A run in five numbers, beside the reference run.
+    """A run in seven numbers, beside the reference run.
 
     `soil` loaded into the truck [m^3], `time` [s], `waypoint_error` the mean distance from a wanted
     to a reached stick's tip [m], `bucket_error` the same of the bucket joint [rad], `tracking` the
-    root mean square of q_ref - q while the bucket is empty and in the air [rad].
+    root mean square of q_ref - q while the bucket is empty and in the air [rad], `margin` the least
+    distance of the balance from the edge of the tracks [m], at `margin_time` [s].
     """
 
     soil: float
@@ -32,6 +38,8 @@ class Score:
     waypoint_error: float
     bucket_error: float
     tracking: float
+    margin: float
+    margin_time: float
     swapped: tuple[str, ...] = ()
     reference: Score | None = None
 
@@ -42,19 +50,21 @@ class Score:
             ("way-point error [cm]", "{:.0f}", lambda score: 100 * score.waypoint_error),
             ("bucket error [deg]", "{:.0f}", lambda score: np.degrees(score.bucket_error)),
             ("error in the air [deg]", "{:.1f}", lambda score: np.degrees(score.tracking)),
+            *_MARGIN_ROWS,
         ]
         return _table(self, rows)
 
 
 @dataclass(frozen=True)
 class DriveScore:
-    """A drive in nine numbers, beside the reference drive.
+    """A drive in eleven numbers, beside the reference drive.
 
     `distance` the mean and `farthest` the largest distance from the path [m], `way` the length
     driven over that of the path, `late` by which delay the drive is explained best [s] (NaN without
     times), `time` [s], `push` the root mean square of the tracks' forces [N] (NaN without tracks),
     `reached` whether it arrived. `position_error` [m] and `heading_error` [rad] are the root mean
-    squares of its estimate's errors (NaN if it was told the truth).
+    squares of its estimate's errors (NaN if it was told the truth), `margin` and `margin_time` as
+    in `Score` (NaN without tracks).
     """
 
     distance: float
@@ -68,6 +78,8 @@ class DriveScore:
     reference: DriveScore | None = None
     position_error: float = np.nan
     heading_error: float = np.nan
+    margin: float = np.nan
+    margin_time: float = np.nan
 
     def __str__(self) -> str:
         rows = [
@@ -79,6 +91,8 @@ class DriveScore:
             ("force of a track [kN]", "{:.0f}", lambda score: score.push / 1e3),
             ("arrived", "{}", lambda score: "yes" if score.reached else "no"),
         ]
+        if not np.isnan(self.margin):
+            rows += _MARGIN_ROWS
         if not np.isnan(self.position_error):
             off = np.nan_to_num
             rows += [
@@ -110,6 +124,8 @@ def _measure(run: Run) -> Score:
         waypoint_error=float(distance.mean()),
         bucket_error=float(np.abs(run.reached[:, 3] - run.wanted[:, 3]).mean()),
         tracking=float(np.sqrt(np.mean(error[run.in_the_air] ** 2))),
+        margin=run.least.margin,
+        margin_time=run.least.time,
         swapped=run.swapped,
     )
 
@@ -132,6 +148,9 @@ def _measure_drive(run: DriveRun) -> DriveScore:
         reached=run.reached,
         swapped=run.swapped,
         **_estimate_errors(run),
+        **(
+            {} if run.least is None else {"margin": run.least.margin, "margin_time": run.least.time}
+        ),
     )
 
 

@@ -9,13 +9,16 @@
 from backhoe.simulation.backends import BACKENDS, open_rover, open_world
 from backhoe.simulation.protocol import World
 from backhoe.simulation.scene import FLAT, LOADING, Scene
+from backhoe.simulation.standing import Least, Tipped
 from backhoe.simulation.tracked_plant import TrackedPlant
 
 __all__ = [
     "BACKENDS",
     "FLAT",
     "LOADING",
+    "Least",
     "Scene",
+    "Tipped",
     "TrackedPlant",
     "World",
     "open_rover",

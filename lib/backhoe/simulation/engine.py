@@ -1,18 +1,21 @@
-"""The laws of `forces`, `tracks` and `moving_base`, compiled for a thousand steps a second.
+"""The laws of `forces`, `tracks`, `moving_base` and `standing`, compiled.
 
-Give `push` its numbers as a plain tuple: Numba takes that over faster.
+They run a thousand times a second. Give `push` its numbers as a plain tuple: Numba takes that over
+faster.
 """
 
 from __future__ import annotations
 
 from backhoe.arm.dynamics import terms
 from backhoe.basics.engine import compiled
-from backhoe.simulation import forces, moving_base, tracks
+from backhoe.simulation import forces, moving_base, standing, tracks
+from backhoe.whole_body.stability import terms as stability_terms
 
-push, tip_motion, balance, *_ = compiled(
+push, tip_motion, balance, stand, *_ = compiled(
     forces.push,
     forces.tip_motion,
     moving_base.balance,
+    standing.stand,
     tracks.shear,
     tracks.run_belts,
     tracks.drive_belts,
@@ -27,4 +30,9 @@ push, tip_motion, balance, *_ = compiled(
     terms.inertias,
     terms.gravity_torques,
     terms.newton_euler,
+    standing.balance_in,
+    standing.body_in,
+    standing.arm_in,
+    stability_terms.ground_reaction,
+    stability_terms.joint_points,
 )

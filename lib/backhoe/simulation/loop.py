@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import choice, instance, numbers, real_numbers, whole
 from backhoe.machine import BACKHOE, Machine
-from backhoe.simulation import engine, forces
+from backhoe.simulation import engine, forces, standing
 from backhoe.simulation.clock import STEP
 from backhoe.simulation.scene import LOADING, Scene, untouched_ground
+from backhoe.whole_body.stability import EDGES
 
 BASES = ("tracks", "fixed")
 
@@ -44,6 +45,7 @@ class Snapshot:
     owner: object
     ticks: int
     memory: NDArray
+    balance: NDArray
     payload: float
     in_soil: bool
     ground: object
@@ -92,6 +94,9 @@ class Loop:
         self._plain = tuple(self._numbers)
         self._memory = forces.memory_of(self._numbers)
         self._state = forces.state_in(self._memory)
+        self._motion, self._masses = self._memory[:14], standing.masses_of(machine)
+        self._balance_memory = np.zeros(standing.MEMORY)
+        self._balance = standing.balance_in(self._balance_memory)
         self._open()
         self.reset()
 
@@ -131,6 +136,22 @@ class Loop:
     def soil_force(self) -> NDArray:
         return self._state.soil[:3].copy()
 
+    @property
+    def zero_moment_point(self) -> NDArray:
+        return self._balance.point[:2].copy()
+
+    @property
+    def margin(self) -> float:
+        return float(self._balance.margin[0])
+
+    @property
+    def edge(self) -> str:
+        return EDGES[int(self._balance.margin[1])]
+
+    @property
+    def least_margin(self) -> standing.Least:
+        return standing.least_of(self._balance, self.dt)
+
     def step(
         self,
         torque: ArrayLike,
@@ -155,6 +176,7 @@ class Loop:
             ValueError: a wrong shape, a value that is not finite, belts and traction at once, or
                 traction with a fixed base.
             RuntimeError: the simulation is closed, or the machine ran away.
+            Tipped: the machine tips over (a RuntimeError).
         """
         self._check_open()
         driven = traction is not None
@@ -173,6 +195,7 @@ class Loop:
             numbers(command, name, (2,), meaning=f"left and right [{'N' if driven else 'm/s'}]")
         self._integrate()
         self._ticks += 1
+        self._stand()
         if self._ticks % TICKS_PER_DIG == 0 and not np.abs(self._state.dq).max() < RUNAWAY:
             self._run_away()
         if self.ground is not None:
@@ -195,7 +218,8 @@ class Loop:
         if self.base == "fixed" and pose.any():
             raise ValueError("a fixed base stays at x = y = yaw = 0: open the world with tracks")
         self._ticks, self._in_soil = 0, False
-        self._memory[:] = 0.0
+        self._memory[:] = self._balance_memory[:] = 0.0
+        self._balance.least[0] = np.inf
         self.ground = (
             untouched_ground(self.scene, self.machine, self.seed, STEP)
             if self._soil_wanted
@@ -204,6 +228,8 @@ class Loop:
         self._load(0.0)
         self._state.q[:] = *pose, *q
         self._place()
+        self._balance.before[:] = self._motion
+        self._stand()
 
     def snapshot(self) -> Snapshot:
         """Everything that the future depends on; pass it to `restore`."""
@@ -212,6 +238,7 @@ class Loop:
             self._token,
             self._ticks,
             self._memory.copy(),
+            self._balance_memory.copy(),
             float(self._numbers.load[1]),
             self._in_soil,
             None if self.ground is None else self.ground.snapshot(),
@@ -232,6 +259,7 @@ class Loop:
             raise ValueError("restore needs a snapshot of this very simulation")
         self._ticks = snapshot.ticks
         self._memory[:] = snapshot.memory
+        self._balance_memory[:] = snapshot.balance
         if self.ground is not None:
             self.ground.restore(snapshot.ground)
         self._in_soil = snapshot.in_soil
@@ -309,9 +337,24 @@ class Loop:
         self._state.soil[:3] = force
         self._state.soil[3] = ground.moment
 
+    def _stand(self) -> None:
+        """Balance the last step; end the run of a machine that has tipped."""
+        edge = engine.stand(
+            self._masses,
+            self._motion,
+            self._state.soil,
+            self._balance_memory,
+            self._ticks,
+            self.dt,
+        )
+        if edge >= 0 and self.base == "tracks":
+            load, least = float(self._numbers.load[1]), self._balance.least
+            raise standing.verdict(edge, self.time, self.q, load, least, self.machine)
+
     def _load(self, payload: float) -> None:
         if payload != self._numbers.load[1] or self._ticks == 0:
             self._numbers.load[1] = payload
+            self._masses[-1] = self.machine.bucket.mass + payload
             self._carry(payload)
 
     def _run_away(self) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.machine import Machine
 from backhoe.simulation.scene import Scene
 from backhoe.simulation.soil import Ground
+from backhoe.simulation.standing import Least
 
 
 class World(Protocol):
@@ -59,6 +60,23 @@ class World(Protocol):
     @property
     def soil_force(self) -> NDArray:
         """Force of the soil on the bucket's tip in the last step, world frame, shape (3,) [N]."""
+
+    @property
+    def zero_moment_point(self) -> NDArray:
+        """Where the ground carried the machine in the last step, in its own axes, (2,) [m]."""
+
+    @property
+    def margin(self) -> float:
+        """From that point to the nearest edge of the tracks' support polygon [m]; see
+        `whole_body.stability`."""
+
+    @property
+    def edge(self) -> str:
+        """Which edge that is: "front", "left", "rear" or "right"."""
+
+    @property
+    def least_margin(self) -> Least:
+        """The least margin since the start [m], when and to which edge."""
 
     def step(
         self,

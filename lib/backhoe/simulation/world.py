@@ -51,6 +51,7 @@ class BulletWorld(Loop):
         self._moving = [self._joint[name] for name in moving]
         self._first = len(ALL_JOINTS) - len(moving)
         self._server.switch_off(self._body, self._moving)
+        self._contacts, self._touching = self._server.getContactPoints, False
 
     def render(
         self,
@@ -126,6 +127,19 @@ class BulletWorld(Loop):
     def _integrate(self) -> None:
         self._server.push(self._body, self._moving, self._state.forces[self._first :])
         self._read()
+        if self.scene.truck is not None:
+            self._feel()
+
+    def _feel(self) -> None:
+        """What the truck gives the machine: all contacts of the last step."""
+        contacts = self._contacts(self._body)
+        if contacts or self._touching:
+            self._touching, touch = bool(contacts), self._balance.touch
+            touch[:] = 0.0
+            for _, _, _, _, _, at, _, normal, _, *forces in contacts:
+                pressed, rubbed, along, scraped, across = forces
+                force = np.dot([pressed, rubbed, scraped], [normal, along, across])
+                touch += np.r_[force, np.cross(at, force)]
 
     def _read(self) -> None:
         angles, rates, *_ = zip(*self._server.getJointStates(self._body, self._moving), strict=True)
@@ -141,6 +155,7 @@ class BulletWorld(Loop):
 
     def _bring_back(self, state: int) -> None:
         self._server.restoreState(stateId=state)
+        self._touching = True
 
     def _forget(self, state: int) -> None:
         if not self._closed:

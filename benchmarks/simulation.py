@@ -9,38 +9,28 @@ each stretch of it counts with the fastest of its repetitions: what else the mac
 from __future__ import annotations
 
 import sys
+from math import ceil
 from time import process_time
 
 import numpy as np
 
-from backhoe import simulation
-from backhoe.arm import dynamics, pid
+from backhoe import mission, simulation
+from backhoe.arm import dynamics, kinematics, pid
 
 RUNS = 5
 STRETCH = 250
-CYCLE = np.radians(
-    [
-        [-90, 12, -5, 75],
-        [-90, -4, 5, 70],
-        [-90, 0, -30, 20],
-        [-90, 25, -45, -20],
-        [-45, 38, -40, -30],
-        [0, 38, 0, -30],
-        [0, 38, 0, 60],
-        [0, 38, 0, 60],
-    ]
-)
-"""Cut in, pull, curl, lift, swing, reach over the truck, tip out, wait."""
 
 
 def follow(world, seconds):
-    """The joint PID at 1 kHz along a cycle of digging and loading; seconds for each stretch."""
+    """The joint PID at 1 kHz along the mission's cycles; seconds for each stretch."""
     controller = pid.PID(*pid.ARM_GAINS, world.machine.torque_limit)
     steps = round(seconds / world.dt)
-    way = np.vstack([world.q, CYCLE])
-    at = np.linspace(0, len(way) - 1, steps)
-    q_ref = np.stack([np.interp(at, np.arange(len(way)), column) for column in way.T], axis=1)
-    dq_ref = np.gradient(q_ref, world.dt, axis=0)
+    plan = [point for cycle in range(ceil(seconds / 20)) for point in mission.hand_made_plan(cycle)]
+    way = kinematics.inverse_kinematics([point.target for point in plan])
+    at = np.cumsum([0.0, *(point.time for point in plan)])
+    q_ref, dq_ref = mission.smooth_trajectory(
+        at, np.vstack([world.q, way]), world.dt * np.arange(steps)
+    )
     holding = dynamics.gravity_torque(q_ref)
     times = [process_time()]
     for step in range(steps):
@@ -82,6 +72,21 @@ def picture(shadow):
     return min(times[1:])
 
 
+def balancing(backend: str) -> float:
+    """What the margin of the balance costs a step, the truck's contacts included [s]."""
+    with simulation.open_world(backend=backend) as world:
+        world.step(dynamics.gravity_torque(world.q))
+        parts = [world._stand, *([world._feel] if backend == "pybullet" else [])]
+        times = []
+        for _ in range(20):
+            start = process_time()
+            for _ in range(2000):
+                for part in parts:
+                    part()
+            times.append(process_time() - start)
+    return min(times) / 2000
+
+
 def main(seconds: float = 20.0) -> None:
     rows = [
         ("PyBullet, bare stepSimulation", best(bare, seconds, backend="pybullet", soil=False)),
@@ -92,6 +97,9 @@ def main(seconds: float = 20.0) -> None:
     ]
     for name, speed in rows:
         print(f"{name:<36}{speed:7.1f} x real time   {rows[0][1] / speed:5.1f} x bare")
+    for backend in ("analytic", "pybullet"):
+        cost = 1e6 * balancing(backend)
+        print(f"balance of a step, {backend:<17}{cost:7.2f} us        limit 3 us")
     for shadow in (False, True):
         print(
             f"picture 640 x 480, new terrain, shadow {shadow!s:<6}{1e3 * picture(shadow):6.0f} ms"

@@ -21,5 +21,5 @@ FLOORS = {
     "course": "what teaches them",
 }
 """The folders of this package, lowest first, and the question of each: a floor imports only those
-before it. Lessons open with a picture of the machine's own; perception, planning and whole_body
-come with lessons 08 to 12."""
+before it. Lessons open with a picture of the machine's own; perception and planning come with
+lessons 08 to 11."""

@@ -5,9 +5,8 @@ and ground until, after `SHEAR` of slip, the friction of the patch is used up an
 machine stands still under the push of the bucket and does not creep, and it slips when it turns. As
 the belt runs, sheared soil is left behind at one end and fresh soil comes under the other.
 A belt runs at a given speed (`run_belts`), or as a mass between drive, rolling resistance and
-ground (`drive_belts`). The patches share the weight equally: by its printed masses the machine
-stands on the front of its tracks when the arm is stretched, and two patches that carry all would
-turn almost without slip.
+ground (`drive_belts`). The patches share the weight equally, wherever the arm is: a few patches at
+the front that carry all would turn almost without slip. Whether they can carry is for `standing`.
 Lengths in m, speeds in m/s, forces in N; vehicle frame (x forward, y left). `engine` has the same
 functions compiled.
 """

@@ -107,3 +107,19 @@ def speed_first_by_inverse_dynamics(answer, q, dq, tau, dt):
     q_new, dq_new = answer
     assert_allclose(dynamics.inverse_dynamics(q, dq, (dq_new - dq) / dt), tau, rtol=1e-6, atol=0.1)
     assert_allclose((q_new - q) / dt, dq_new, rtol=1e-8, atol=1e-10)
+
+
+def moments_about_the_edges(answer, q):
+    """Moments of all weights about the four edges: with the load one is zero, none is negative."""
+    tracks = BACKHOE.tracks
+    load = (answer, position("bucket_com")(q))
+    weights = [(tracks.mass, np.zeros(3)), load]
+    weights += [(body.mass, position(frame)(q)) for frame, body in BODIES.items()]
+    half = np.array([tracks.length / 2, tracks.gauge / 2 + tracks.shoe_width / 2])
+    moments = [
+        sum(mass * (half[axis] - side * at[axis]) for mass, at in weights)
+        for axis in range(2)
+        for side in (1, -1)
+    ]
+    assert_allclose(min(moments), 0.0, atol=1e-9 * BACKHOE.mass)
+    assert answer > 0

@@ -8,6 +8,7 @@ from backhoe.view.plots.drawing import posture
 from backhoe.view.plots.interactive import sliders
 from backhoe.view.plots.panels import joint_tracking, stacked
 from backhoe.view.plots.paths import from_above, paths
+from backhoe.view.plots.standing import balance, lifting_chart, margin
 from backhoe.view.plots.style import COLOURS, KINDS, draw_lines, figure, lines, png, show, styled
 from backhoe.view.plots.way import STAGES, data_way
 
@@ -15,12 +16,15 @@ __all__ = [
     "COLOURS",
     "KINDS",
     "STAGES",
+    "balance",
     "data_way",
     "draw_lines",
     "figure",
     "from_above",
     "joint_tracking",
+    "lifting_chart",
     "lines",
+    "margin",
     "paths",
     "png",
     "posture",

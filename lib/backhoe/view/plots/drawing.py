@@ -50,19 +50,29 @@ def draw_arm(ax: Axes, q: ArrayLike, machine: Machine = BACKHOE, alpha: float = 
 
 
 def side_axes(
-    ax: Axes, limits: tuple[float, float, float, float], machine: Machine | None = BACKHOE
+    ax: Axes,
+    limits: tuple[float, float, float, float],
+    machine: Machine | None = BACKHOE,
+    over: str = "front",
 ) -> None:
-    """Equal axes with the ground and, unless `machine` is None, the body of the machine."""
+    """Equal axes with the ground and, unless `machine` is None, the body of the machine.
+
+    The tracks are seen from their side, or from their ends with the arm `over` the "side".
+    """
     ax.axhline(0.0, color=GROUND, lw=1.2, zorder=1)
     ax.axhspan(limits[2], 0.0, color=GROUND, alpha=0.16, lw=0, zorder=0)
     if machine is not None:
         tracks, ring = machine.tracks, machine.base.height
-        middle = -machine.base.offset
-        half = tracks.length / 2
-        shoe = _rounded(middle - half, 0.0, 2 * half, tracks.height, 0.3)
+        if over == "front":
+            rear = -machine.base.offset - tracks.length / 2
+            shoes = [_rounded(rear, 0.0, tracks.length, tracks.height, 0.3)]
+        else:
+            inner = np.array([-1, 1]) * tracks.gauge / 2 - tracks.shoe_width / 2
+            shoes = [_rounded(x, 0.0, tracks.shoe_width, tracks.height, 0.1) for x in inner]
+        for shoe in shoes:
+            ax.add_patch(Polygon(shoe, facecolor=STEEL, edgecolor=GREY, lw=1, zorder=2))
         house = np.add(_HOUSE, (0.0, ring))
-        for outline, colour in ((shoe, STEEL), (house, "#f3dfae")):
-            ax.add_patch(Polygon(outline, facecolor=colour, edgecolor=GREY, lw=1, zorder=2))
+        ax.add_patch(Polygon(house, facecolor="#f3dfae", edgecolor=GREY, lw=1, zorder=2))
     ax.set(xlim=limits[:2], ylim=limits[2:], aspect="equal", xlabel=REACH_LABEL)
     metre_ticks(ax)
 

@@ -95,5 +95,6 @@ def test_the_effective_gauge_holds_in_tight_bends_and_drops_in_wide_ones():
             gauges.append(way / (excavator.pose[2] - before))
     spot, tight, wide = gauges
     assert tight == pytest.approx(spot, rel=0.02)
-    assert spot > 1.3 * BACKHOE.tracks.gauge
+    assert spot == pytest.approx(1.37 * BACKHOE.tracks.gauge, rel=0.01)
+    assert spot == pytest.approx(BACKHOE.tracks.gauge / drives.SLIPPING, rel=0.01)
     assert BACKHOE.tracks.gauge < wide < 0.93 * spot

@@ -18,7 +18,7 @@ from backhoe.mission.loading import Run, run
 from backhoe.vehicle.tracking import Path
 
 _MARGIN_ROWS = [
-    ("least margin [m]", "{:.2f}", lambda score: score.margin),
+    ("least margin [m]", "{:.2f}", lambda score: round(score.margin, 2) + 0.0),
     ("  that was at [s]", "{:.1f}", lambda score: score.margin_time),
 ]
 

@@ -40,7 +40,11 @@ _SOURCES = {
     "swing.mass": ("m_t", "kg", _TABLE_A2),
     "swing.com_radius": ("b_cm1", "m", _TABLE_A2),
     "swing.com_angle": ("theta_cm1", "rad", "ours: behind the axis, where the counterweight is"),
-    "swing.com_height": ("", "m", "ours: does not enter the motion of the arm"),
+    "swing.com_height": (
+        "",
+        "m",
+        "ours: counts in the balance, on slopes and in motion",
+    ),
     "swing.inertia": ("I_t", "kg m^2", _ISOTROPIC),
     "boom.length": ("L2", "m", _TABLE_A2),
     "boom.angle_offset": ("theta_2", "rad", _TABLE_A2),

@@ -120,27 +120,29 @@ def stand(masses, state, soil, balance, ticks, dt):
     half_x, half_y, own, reach = masses[0], masses[1], masses[2], masses[3]
     body, arm = body_in(masses[4:11]), arm_in(masses[11:])
     q, dq = balance.before[:7], balance.before[7:]
-    ddq = (state[7:] - dq) / dt
+    ax, ay, alpha = (state[7] - dq[0]) / dt, (state[8] - dq[1]) / dt, (state[9] - dq[2]) / dt
+    ddp1, ddp2 = alpha + (state[10] - dq[3]) / dt, (state[11] - dq[4]) / dt
+    ddp3 = ddp2 + (state[12] - dq[5]) / dt
+    ddp4, dp3 = ddp3 + (state[13] - dq[6]) / dt, dq[4] + dq[5]
     p2 = q[4] + arm.o2
     p3 = p2 + (q[5] + arm.o3)
     p4 = p3 + (q[6] + arm.o4)
     v = vectors(arm, np.cos(p2), np.sin(p2), np.cos(p3), np.sin(p3), np.cos(p4), np.sin(p4))
     out_x, out_y = np.cos(q[3] + np.pi / 2), np.sin(q[3] + np.pi / 2)
     c, s = np.cos(q[2]), np.sin(q[2])
-    dp3, ddp3 = dq[4] + dq[5], ddq[4] + ddq[5]
     move = Motion(
         dq[2] + dq[3],
-        ddq[2] + ddq[3],
+        ddp1,
         dq[4],
         dp3,
         dp3 + dq[6],
-        ddq[4],
+        ddp2,
         ddp3,
-        ddp3 + ddq[6],
+        ddp4,
         dq[2],
-        ddq[2],
-        ddq[0] * c + ddq[1] * s,
-        ddq[1] * c - ddq[0] * s,
+        alpha,
+        ax * c + ay * s,
+        ay * c - ax * s,
     )
     pull = Pull(
         0.0,
@@ -203,7 +205,8 @@ def stand(masses, state, soil, balance, ticks, dt):
             balance.tilt[k] = balance.rate[k] = 0.0
         elif balance.tilt[k] * 2 * (half_x if k % 2 == 0 else half_y) > LIFT:
             tipped = k
-    balance.before[:] = state
+    for k in range(14):
+        balance.before[k] = state[k]
     return tipped
 
 

@@ -152,8 +152,17 @@ def test_a_hasty_mission_tips_on_what_the_soil_holds_and_the_message_says_so():
 
     said = r"over its front edge at t = \d+\.\d+ s with \d+ kg.*soil pulled with \d+ kN"
     with pytest.raises(simulation.Tipped, match=said) as caught:
-        mission.run(plan=hasty, cycles=1, backend="analytic")
-    assert caught.value.__notes__ == ["This happened on the way to 'lift'."]
+        mission.run(plan=hasty, cycles=1, backend="analytic", record=True)
+    (note,) = caught.value.__notes__
+    assert note.startswith("This happened on the way to 'lift'.")
+    run = caught.value.run
+    assert 0 <= caught.value.time - run.time[-1] < 0.011
+    assert len(run.q) == len(run.q_ref) == len(run.margin) == len(run.time)
+    assert run.least.margin == pytest.approx(run.margin.min(), abs=0.02)
+    reached = ~np.isnan(run.reached).any(axis=1)
+    names = [point.name for point, there in zip(run.waypoints, reached, strict=True) if there]
+    assert names == ["turn to the heap", "cut in", "pull", "curl"]
+    assert "Dig and load" in run.replay()._repr_html_()
 
 
 def test_a_stop_that_lifts_a_track_a_little_is_no_tipping():

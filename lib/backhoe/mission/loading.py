@@ -128,7 +128,8 @@ def run(
         ValueError: no cycles, a world without soil, a part that returns the wrong shape or values
             that are not finite, a way-point that a joint cannot reach in its time.
         TypeError: a part of an unknown name, or one that cannot be called.
-        Tipped: the machine tips over (a RuntimeError).
+        Tipped: the machine tips over (a RuntimeError); its `run` is the run until then, with NaN
+            where it did not get.
     """
     given = given_parts(
         PARTS,
@@ -163,8 +164,35 @@ def _load(world: simulation.World, cycles: int, given: dict[str, Callable], reco
     recorder = recorder_of(world) if record else None
     departures = {round(time / dt): index for index, time in enumerate(times[:-1])}
     arrivals = {round(time / dt): index for index, time in enumerate(times[1:])}
-    reached = np.zeros_like(wanted)
+    reached = np.full_like(wanted, np.nan)
     log, least = [], simulation.Least(world.margin, 0.0, world.edge)
+
+    def made() -> Run:
+        """The run so far."""
+        columns = map(np.array, zip(*log, strict=True))
+        q_log, torque_log, bucket, truck, total, touching, margin = columns
+        return Run(
+            swapped=tuple(given),
+            cycles=cycles,
+            machine=machine,
+            scene=world.scene,
+            backend=world.backend,
+            waypoints=tuple(waypoints),
+            time=t[::LOG_EVERY][: len(log)],
+            q=q_log,
+            q_ref=q_ref[::LOG_EVERY][: len(log)],
+            torque=torque_log,
+            bucket_volume=bucket,
+            truck_volume=truck,
+            in_the_air=~touching & (bucket < 1e-6),
+            margin=margin,
+            least=least,
+            soil_lost=float(np.abs(total - total[0]).max()),
+            wanted=wanted,
+            reached=reached,
+            recorder=recorder,
+        )
+
     for step in range(len(t)):
         q, dq = world.q, world.dq
         if step in arrivals:
@@ -178,37 +206,20 @@ def _load(world: simulation.World, cycles: int, given: dict[str, Callable], reco
             log.append((q.copy(), world.torque.copy(), *volumes, *felt))
             if recorder is not None:
                 recorder.capture()
+        torque = controller(q_ref[step], dq_ref[step], q, dq, dt) + gravity(q)
         try:
-            world.step(controller(q_ref[step], dq_ref[step], q, dq, dt) + gravity(q))
+            world.step(torque)
         except simulation.Tipped as error:
             late = waypoints[min(np.searchsorted(times, t[step], "right"), len(waypoints)) - 1]
-            error.add_note(f"This happened on the way to {late.name!r}.")
+            error.run = made()
+            error.add_note(
+                f"This happened on the way to {late.name!r}. The run until then is kept: "
+                "import sys; run = sys.last_value.run"
+            )
             raise
-        least = lesser(least, world.margin, t[step] + dt, world.edge)
-    q_log, torque_log, bucket, truck, total, touching, margin = map(
-        np.array, zip(*log, strict=True)
-    )
-    return Run(
-        swapped=tuple(given),
-        cycles=cycles,
-        machine=machine,
-        scene=world.scene,
-        backend=world.backend,
-        waypoints=tuple(waypoints),
-        time=t[::LOG_EVERY],
-        q=q_log,
-        q_ref=q_ref[::LOG_EVERY],
-        torque=torque_log,
-        bucket_volume=bucket,
-        truck_volume=truck,
-        in_the_air=~touching & (bucket < 1e-6),
-        margin=margin,
-        least=least,
-        soil_lost=float(np.abs(total - total[0]).max()),
-        wanted=wanted,
-        reached=reached,
-        recorder=recorder,
-    )
+        finally:
+            least = lesser(least, world.margin, float(t[step]) + dt, world.edge)
+    return made()
 
 
 def _followers(given: dict[str, Callable], machine: Machine) -> list[Callable]:

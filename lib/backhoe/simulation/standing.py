@@ -42,11 +42,14 @@ class Least(NamedTuple):
 
 
 class Tipped(RuntimeError):
-    """The machine tips over: `edge` names over which, `time` when [s]."""
+    """The machine tips over: `edge` names over which, `time` when [s].
+
+    A mission that it ended has left what happened until then in `run`, else that is None.
+    """
 
     def __init__(self, message: str, edge: str, time: float) -> None:
         super().__init__(message)
-        self.edge, self.time = edge, time
+        self.edge, self.time, self.run = edge, time, None
 
 
 class Balance(NamedTuple):

@@ -35,7 +35,10 @@ def _render_image_with_text(renderer, data):
     """The image as myst-nb makes it, with the text that `plots.show` stores beside it."""
     images = _render_image(renderer, data)
     outputs = renderer.renderer.nb_client.code_cell_outputs(data.cell_index)[1]
-    text = outputs[data.output_index]["data"].get("text/plain", "")
+    # By what it shows: myst-nb counts outputs after it has joined printed text, we before.
+    bundles = [output["data"] for output in outputs if "data" in output]
+    texts = (bundle.get("text/plain", "") for bundle in bundles if data.content in bundle.values())
+    text = next(texts, "")
     for image in images:
         image.setdefault("alt", text)
     return images

@@ -3,6 +3,7 @@
 pytest itself runs every notebook with nbval and compares what it prints (see pyproject.toml).
 """
 
+import itertools
 import re
 import subprocess
 import sys
@@ -103,6 +104,9 @@ def test_metadata_is_in_the_normal_form(notebook, outputs):
     for cell in notebook.cells:
         assert set(cell.metadata) <= {"tags"}
     assert not any(WIDGET in output.get("data", {}) for output in outputs)
+    for cell in notebook.cells:
+        names = [output.get("name") for output in cell.get("outputs", ())]
+        assert not any(one == other is not None for one, other in itertools.pairwise(names))
 
 
 def test_notebook_is_small_enough_to_load_quickly(path):

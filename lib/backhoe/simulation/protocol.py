@@ -63,7 +63,8 @@ class World(Protocol):
 
     @property
     def zero_moment_point(self) -> NDArray:
-        """Where the ground carried the machine in the last step, in its own axes, (2,) [m]."""
+        """Where the ground carried the machine in the last step, in its own axes, (2,) [m]; NaN
+        where nothing presses on the tracks."""
 
     @property
     def margin(self) -> float:

@@ -4,6 +4,7 @@ The base moves in the plane and cannot tilt, so the balance says what a machine 
 would do: the force of the ground that the motion needs must act inside the tracks' support polygon.
 Beyond an edge for some milliseconds it lifts no track; so the tilt about each edge is followed as
 that of a rigid body, and the machine counts as tipped when the far side would be `LIFT` in the air.
+A machine that lifts itself on its bucket ends there, too: the base cannot follow it.
 The balance itself is that of `whole_body.stability`. `engine` has the same functions compiled.
 """
 
@@ -59,7 +60,8 @@ class Balance(NamedTuple):
         before: coordinates and rates before the step, as in `forces.State`, shape (14,).
         touch: force [N] on the machine of what it touches but for ground and soil, and its moment
             about the world's origin [N m], in the world, shape (6,).
-        point: zero-moment point in the vehicle's axes [m] and weight on the tracks [N], shape (3,).
+        point: zero-moment point in the vehicle's axes [m], NaN where nothing presses on the
+            tracks, and what presses [N], shape (3,).
         margin: to the nearest edge [m], and the number of that edge, shape (2,).
         least: the least margin so far [m], the edge's number, the step, and the size of the soil's
             force then [N], shape (4,).
@@ -172,7 +174,8 @@ def stand(masses, state, soil, balance, ticks, dt):
         if holding[k] < margin:
             margin, edge = holding[k], k
     margin = margin / fz if fz > 0.0 else -np.inf
-    balance.point[0], balance.point[1] = -my / max(fz, 1.0), mx / max(fz, 1.0)
+    balance.point[0] = -my / fz if fz > 0.0 else np.nan
+    balance.point[1] = mx / fz if fz > 0.0 else np.nan
     balance.point[2] = fz
     balance.margin[0], balance.margin[1] = margin, edge
     if margin < balance.least[0] - NOTICED:
@@ -262,11 +265,12 @@ def verdict(edge: int, time: float, q: NDArray, load: float, least: NDArray, mac
         rest = f"at rest it would take {limit:.0f} kg" if over else "at rest no load would tip it"
     except ValueError:
         rest = "it lies here even at rest and empty"
-    pull = f" while the soil pulled with {least[3] / 1e3:.0f} kN" if least[3] > 0 else ""
+    beyond = f"carry it {-least[0]:.2f} m beyond the tracks" if np.isfinite(least[0]) else "pull"
+    soil = f" while the soil held the bucket with {least[3] / 1e3:.0f} kN" if least[3] > 0 else ""
     return Tipped(
         f"the machine tips over its {name} edge at t = {time:.3f} s with {load:.0f} kg in the "
-        f"bucket ({rest}): the ground had to carry it {-least[0]:.2f} m beyond the tracks{pull}. "
-        "Keep the load closer or smaller, or move more gently; call reset() before going on",
+        f"bucket ({rest}): the ground had to {beyond}{soil}. Keep the load closer or smaller, or "
+        "move more gently; call reset() before going on",
         name,
         time,
     )

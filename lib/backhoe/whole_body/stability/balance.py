@@ -16,7 +16,6 @@ from backhoe.whole_body.stability.polygon import EDGES, distances, support_polyg
 from backhoe.whole_body.stability.terms import (
     Motion,
     Pull,
-    Reaction,
     body_of,
     ground_reaction,
     joint_points,
@@ -108,7 +107,25 @@ def zero_moment_point(
         ValueError: a wrong shape, a value that is not finite, a negative load, a slope on which the
             tracks slip, or a soil that lifts the machine off the ground.
     """
-    reaction = ground_force(q, dq, ddq, load, yaw_rate, acceleration, soil, slope, uphill, machine)
+    q, dq, ddq = joint_vector(q), joint_vector(dq, "dq"), joint_vector(ddq, "ddq")
+    load, omega = _load(load), numbers(yaw_rate, "yaw_rate")
+    meaning = "ahead, to the left [m/s^2] and of the yaw [rad/s^2]"
+    moved = numbers(acceleration, "acceleration", (..., 3), meaning=meaning)
+    soil = numbers(soil, "soil", (..., 4), meaning="force [N] and moment [N m] of the soil")
+    gravity = gravity_on_slope(slope, uphill, machine)
+    leading_shape(q, dq, ddq, load[..., None], omega[..., None], moved, soil, gravity)
+    stance = stand(q, load, machine)
+    (ax, ay, alpha), down, push = (np.moveaxis(a, -1, 0) for a in (moved, gravity, soil))
+    rates, changes = np.moveaxis(dq, -1, 0), np.moveaxis(ddq, -1, 0)
+    pitch, dpitch = np.cumsum(rates[1:], axis=0), np.cumsum(changes[1:], axis=0)
+    motion = Motion(rates[0] + omega, changes[0] + alpha, *pitch, *dpitch, omega, alpha, ax, ay)
+    pull = Pull(*down, *push, *_tip(stance, q, machine))
+    reaction = ground_reaction(body_of(machine), *stance, motion, pull)
+    if not (np.asarray(reaction.fz) > 0).all():
+        raise ValueError(
+            "soil must leave weight on the tracks, got a force that lifts the machine: the ground "
+            f"would have to pull with {-np.min(reaction.fz) / 1e3:.1f} kN"
+        )
     return np.stack(np.broadcast_arrays(*zero_moment(reaction)), axis=-1)
 
 
@@ -117,19 +134,14 @@ def margin(
     dq: ArrayLike = STILL,
     ddq: ArrayLike = STILL,
     *,
-    load: ArrayLike = 0.0,
-    yaw_rate: ArrayLike = 0.0,
-    acceleration: ArrayLike = (0.0, 0.0, 0.0),
-    soil: ArrayLike = STILL,
-    slope: ArrayLike = 0.0,
-    uphill: ArrayLike = 0.0,
     machine: Machine = BACKHOE,
+    **pushed: ArrayLike,
 ) -> Margin:
     """Distance from the zero-moment point to the nearest edge: static at rest, else dynamic.
 
     Args:
-        q, dq, ddq, load, yaw_rate, acceleration, soil, slope, uphill, machine: as for
-            `zero_moment_point`.
+        q, dq, ddq, machine: as for `zero_moment_point`.
+        pushed: load, yaw_rate, acceleration, soil, slope and uphill, as for `zero_moment_point`.
 
     Returns:
         The `Margin`, of shape (...) [m].
@@ -137,21 +149,9 @@ def margin(
     Raises:
         ValueError: as for `zero_moment_point`.
     """
-    point = zero_moment_point(
-        q,
-        dq,
-        ddq,
-        load=load,
-        yaw_rate=yaw_rate,
-        acceleration=acceleration,
-        soil=soil,
-        slope=slope,
-        uphill=uphill,
-        machine=machine,
-    )
+    point = zero_moment_point(q, dq, ddq, machine=machine, **pushed)
     inside = distances(point, support_polygon(machine))
-    nearest = inside.argmin(axis=-1)
-    names = np.array(EDGES)[nearest]
+    names = np.array(EDGES)[inside.argmin(axis=-1)]
     return Margin(inside.min(axis=-1)[()], str(names) if names.ndim == 0 else names)
 
 
@@ -194,41 +194,6 @@ def stand(q: NDArray, load: NDArray, machine: Machine) -> Stance:
     v = posture(arm, np.moveaxis(q, -1, 0), np.cos, np.sin)
     heading = q[..., 0] + np.pi / 2
     return Stance(arm, v, np.cos(heading), np.sin(heading))
-
-
-def ground_force(
-    q: ArrayLike,
-    dq: ArrayLike,
-    ddq: ArrayLike,
-    load: ArrayLike,
-    yaw_rate: ArrayLike,
-    acceleration: ArrayLike,
-    soil: ArrayLike,
-    slope: ArrayLike,
-    uphill: ArrayLike,
-    machine: Machine,
-) -> Reaction:
-    """The ground on the tracks; arguments, shapes and units as for `zero_moment_point`."""
-    q, dq, ddq = joint_vector(q), joint_vector(dq, "dq"), joint_vector(ddq, "ddq")
-    load, omega = _load(load), numbers(yaw_rate, "yaw_rate")
-    meaning = "ahead, to the left [m/s^2] and of the yaw [rad/s^2]"
-    moved = numbers(acceleration, "acceleration", (..., 3), meaning=meaning)
-    soil = numbers(soil, "soil", (..., 4), meaning="force [N] and moment [N m] of the soil")
-    gravity = gravity_on_slope(slope, uphill, machine)
-    leading_shape(q, dq, ddq, load[..., None], omega[..., None], moved, soil, gravity)
-    stance = stand(q, load, machine)
-    (ax, ay, alpha), down, push = (np.moveaxis(a, -1, 0) for a in (moved, gravity, soil))
-    rates, changes = np.moveaxis(dq, -1, 0), np.moveaxis(ddq, -1, 0)
-    pitch, dpitch = np.cumsum(rates[1:], axis=0), np.cumsum(changes[1:], axis=0)
-    motion = Motion(rates[0] + omega, changes[0] + alpha, *pitch, *dpitch, omega, alpha, ax, ay)
-    pull = Pull(*down, *push, *_tip(stance, q, machine))
-    reaction = ground_reaction(body_of(machine), *stance, motion, pull)
-    if not (np.asarray(reaction.fz) > 0).all():
-        raise ValueError(
-            "soil must leave weight on the tracks, got a force that lifts the machine: the ground "
-            f"would have to pull with {-np.min(reaction.fz) / 1e3:.1f} kN"
-        )
-    return reaction
 
 
 def _tip(stance: Stance, q: NDArray, machine: Machine) -> tuple[NDArray, NDArray]:

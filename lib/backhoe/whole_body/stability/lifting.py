@@ -19,15 +19,13 @@ from backhoe.basics.angles import wrap
 from backhoe.basics.inputs import numbers
 from backhoe.machine import BACKHOE, Machine
 from backhoe.whole_body.stability.balance import (
-    STILL,
     Stance,
     gravity_on_slope,
-    ground_force,
     stand,
-    zero_moment,
+    zero_moment_point,
 )
 from backhoe.whole_body.stability.polygon import EDGES, distances, support_polygon
-from backhoe.whole_body.stability.terms import Reaction, joint_points
+from backhoe.whole_body.stability.terms import joint_points
 
 TIPPING_SHARE = 0.75
 """Share of the tipping load that an excavator is rated for (ISO 10567)."""
@@ -71,12 +69,9 @@ def tipping_load(
             a posture in which the machine lies already with an empty bucket.
     """
     q = joint_vector(q)
-    none = np.zeros(3)
-    reaction = ground_force(q, STILL, STILL, 0.0, 0.0, none, STILL, slope, uphill, machine)
-    stance = stand(q, np.zeros(()), machine)
-    *_, r, z = joint_points(stance.arm, stance.v)
-    gravity = gravity_on_slope(slope, uphill, machine)
-    loads, inside = _loads(reaction, stance, r, z, gravity, machine)
+    inside = distances(
+        zero_moment_point(q, slope=slope, uphill=uphill, machine=machine), support_polygon(machine)
+    )
     if (inside < 0).any():
         *at, edge = np.unravel_index(inside.argmin(), inside.shape)
         where = f" at index {tuple(map(int, at))}" if at else ""
@@ -84,26 +79,24 @@ def tipping_load(
             f"q must be a posture in which the empty machine stands, got one{where} in which it "
             f"lies: {-inside.min():.2f} m beyond its {EDGES[edge]} edge"
         )
+    stance = stand(q, np.zeros(()), machine)
+    *_, r, z = joint_points(stance.arm, stance.v)
+    loads = _loads(inside, stance, r, z, gravity_on_slope(slope, uphill, machine), machine)
     least = loads.min(axis=-1)
     names = np.where(np.isinf(least), "", np.array(EDGES)[loads.argmin(axis=-1)])
     return Tipping(least[()], str(names) if names.ndim == 0 else names)
 
 
 def _loads(
-    reaction: Reaction, stance: Stance, r: NDArray, z: NDArray, gravity: NDArray, machine: Machine
-) -> tuple[NDArray, NDArray]:
-    """Load at (r, z) that tips over each edge [kg], and distance inside it without (..., 4) [m]."""
-    polygon, down = support_polygon(machine), gravity[..., 2]
-    point = np.stack(np.broadcast_arrays(*zero_moment(reaction)), axis=-1)
-    inside = distances(point, polygon)
+    inside: NDArray, stance: Stance, r: NDArray, z: NDArray, gravity: NDArray, machine: Machine
+) -> NDArray:
+    """Load at (r, z) [m] that tips over each edge, from the distances inside it, (..., 4) [kg]."""
     x, y = machine.base.offset + r * stance.out_x, r * stance.out_y
     # Where the line of the load's weight meets the ground.
-    x, y = x - z * gravity[..., 0] / down, y - z * gravity[..., 1] / down
-    beyond = -distances(np.stack(np.broadcast_arrays(x, y), axis=-1), polygon)
-    moment = np.asarray(reaction.fz)[..., None] * inside / -np.asarray(down)[..., None]
+    aside, down = z[..., None] * gravity[..., :2], gravity[..., 2:]
+    beyond = -distances(np.stack([x, y], axis=-1) - aside / down, support_polygon(machine))
     with np.errstate(divide="ignore", invalid="ignore"):
-        loads = np.where(beyond > 0, moment / beyond, np.inf)
-    return loads, inside
+        return np.where(beyond > 0, machine.mass * inside / beyond, np.inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,13 +186,11 @@ def _hanging(r: float, z: float, machine: Machine) -> NDArray:
 
 def _rated(q: NDArray, machine: Machine) -> tuple[NDArray, NDArray]:
     """Rated load at the stick's end (n,) [kg], and whether the drives limit it (n,)."""
-    none = np.zeros(3)
-    reaction = ground_force(q, STILL, STILL, 0.0, 0.0, none, STILL, 0.0, 0.0, machine)
+    inside = distances(zero_moment_point(q, machine=machine), support_polygon(machine))
     stance = stand(q, np.zeros(()), machine)
     arm, v = stance.arm, stance.v
     r, z = arm.b1 + v.l2r + v.l3r, arm.z1 + v.l2z + v.l3z
-    gravity = gravity_on_slope(0.0, 0.0, machine)
-    tipping, _ = _loads(reaction, stance, r, z, gravity, machine)
+    tipping = _loads(inside, stance, r, z, gravity_on_slope(0.0, 0.0, machine), machine)
     g2, g3, _ = gravity_torques(arm, v)
     _, most2, most3, _ = machine.torque_limit
     held = []

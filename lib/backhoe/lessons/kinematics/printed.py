@@ -1,4 +1,5 @@
-"""The thesis's kinematics exactly as printed: A.15, A.17, A.18, (2.4), (2.5), (2.10). Not for use.
+"""The thesis's kinematics exactly as printed: A.15, A.17, A.18, (2.3) to (2.5), (2.8), (2.10), and
+the angles of Table A.1. Not for use.
 
 Lesson 01 tests these formulas and finds which entries are wrong; `backhoe.arm.kinematics` has the
 right ones. Lengths and the signs of the angle offsets come from the machine. What the print leaves
@@ -6,7 +7,8 @@ open is read so:
 
 - theta_cm1 (in q1^cm of J_L1) is not in Table A.2; q1^cm is taken as q1*;
 - q23^cm3 is taken as q2* + q3^cm, the direction of the stick's centre of mass;
-- theta in (2.10) is the heading psi.
+- ^nT_0 in (2.3) is what the indices of (2.2) make of it: frame 0 seen from frame n;
+- theta in (2.8) is an angle of its own that nothing changes, in (2.10) the heading psi.
 
 Reference: Mastalli 2013, sections 2.1, 2.2 and Appendix A.2.1.
 """
@@ -18,17 +20,33 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.arm.kinematics import joint_vector
+from backhoe.arm.kinematics import forward_kinematics, joint_vector
+from backhoe.lessons import published
 from backhoe.machine import BACKHOE, Machine
 
 __all__ = [
+    "angle_offsets",
     "angular_jacobians",
     "inverse_24",
     "inverse_25",
     "linear_jacobians",
     "link_transforms",
+    "pose_23",
+    "rates_28",
     "track_matrix",
 ]
+
+
+def angle_offsets() -> tuple[NDArray, NDArray]:
+    """What boom, stick and bucket add to q2, q3, q4: Table A.1, and q_i^cm below (A.22).
+
+    Returns:
+        q* - q of the links and q^cm - q of their centres of mass, shape (3,) each [rad].
+    """
+    rows = published.load("mastalli_2013_table_a1")["rows"]
+    angles = published.load("mastalli_2013_table_a2")["angles_deg"]
+    links = [rows[i]["constant_deg"] + angles[f"theta_{i}"] for i in (2, 3, 4)]
+    return np.radians(links), np.radians([angles[f"theta_cm{i}"] for i in (2, 3, 4)])
 
 
 def link_transforms(q: ArrayLike, machine: Machine = BACKHOE) -> NDArray:
@@ -131,6 +149,17 @@ def angular_jacobians(q: ArrayLike) -> NDArray:
     )
 
 
+def pose_23(q: ArrayLike) -> NDArray:
+    """^nT_0 of (2.3), which the thesis calls the pose with respect to the base.
+
+    Arguments and errors: as for `link_transforms`.
+
+    Returns:
+        Transform from the base frame to that of the teeth, shape (..., 4, 4); lengths in m.
+    """
+    return np.linalg.inv(forward_kinematics(q))
+
+
 def inverse_24(J: ArrayLike, damping: float) -> NDArray:
     """(J + lambda^2 I)^-1, the inverse of (2.4).
 
@@ -157,6 +186,21 @@ def inverse_25(J: ArrayLike, damping: float) -> NDArray:
     U, sigma, Vt = np.linalg.svd(_square(J))
     V, Ut = np.swapaxes(Vt, -1, -2), np.swapaxes(U, -1, -2)
     return (V / (sigma + damping**2)[..., None, :]) @ Ut
+
+
+def rates_28(twist: ArrayLike, heading: ArrayLike, theta: ArrayLike = 0.0) -> NDArray:
+    """(2.8), whose matrix turns by theta what turns psi.
+
+    Args:
+        twist: v and omega, shape (..., 2) [m/s, rad/s].
+        heading: psi [rad], which (2.8) does not use.
+        theta: shape (...) [rad].
+
+    Returns:
+        dx, dy, dpsi, shape (..., 3) [m/s, m/s, rad/s].
+    """
+    v, omega = np.moveaxis(np.asarray(twist, dtype=float), -1, 0)
+    return np.stack((v * np.cos(theta), v * np.sin(theta), omega), axis=-1)
 
 
 def track_matrix(heading: ArrayLike, machine: Machine = BACKHOE) -> NDArray:

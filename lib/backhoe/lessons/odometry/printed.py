@@ -1,5 +1,5 @@
-"""Odometry exactly as printed: the PUCP guide's (1) and Algorithms 1 to 4, Mastalli's (4.1)
-to (4.3) and Algorithm 1. His (2.10) is `backhoe.lessons.kinematics.printed.track_matrix`.
+"""Odometry exactly as printed: the PUCP guide's (1), (10), (11) and Algorithms 1 to 4, Mastalli's
+(4.1) to (4.3) and Algorithm 1. His (2.10) is `backhoe.lessons.kinematics.printed.track_matrix`.
 
 Not for use: lesson 06 tests them, `backhoe.localisation.odometry` has the right ones. What the
 print leaves open is read so:
@@ -20,6 +20,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.localisation.odometry.streaming import State
+
 __all__ = [
     "THRESHOLD",
     "algorithm_1",
@@ -28,6 +30,8 @@ __all__ = [
     "algorithm_4",
     "mastalli_algorithm_1",
     "position_1",
+    "right_side_10",
+    "right_side_11",
     "roll_out",
     "step_41",
     "step_42",
@@ -40,12 +44,13 @@ THRESHOLD = 0.001
 Rate = Callable[[NDArray, NDArray], ArrayLike]
 
 
-def position_1(t: ArrayLike, v: ArrayLike) -> NDArray:
+def position_1(t: ArrayLike, v: ArrayLike, x0: float = 0.0) -> NDArray:
     """x(t) of PUCP (1), the integral of v without x(0), by trapezoids.
 
     Args:
         t: times, shape (n,) [s].
         v: speeds at them, shape (n,) [m/s].
+        x0: where the movement begins, for which (1) has no place [m].
 
     Returns:
         Shape (n,) [m].
@@ -118,6 +123,27 @@ def algorithm_4(f: Rate, t: ArrayLike, omega: ArrayLike, size: int = 3) -> NDArr
         old, t_old = rate, time
         estimates.append(x)
     return np.array(estimates)
+
+
+def right_side_10(x_k: ArrayLike, state: State, t: float, u: ArrayLike, f: Rate) -> NDArray:
+    """The right side of PUCP (10), which asks for the x_k that it is to give.
+
+    Args:
+        x_k: estimate at t, shape (n,), of any unit.
+        state: time, estimate and sample before.
+        t: time of the new sample [s].
+        u: the sample, shape (m,), of any unit.
+        f: rate f(x, u) of x.
+
+    Returns:
+        Shape (n,).
+    """
+    return state.x + (t - state.t) * np.asarray(f(x_k, u))
+
+
+def right_side_11(x_k: ArrayLike, state: State, t: float, u: ArrayLike, f: Rate) -> NDArray:
+    """The right side of PUCP (11). Args, returns: as for `right_side_10`."""
+    return state.x + (t - state.t) / 2 * (np.asarray(f(x_k, u)) + np.asarray(f(state.x, state.u)))
 
 
 def step_41(pose: ArrayLike, v: float, omega: float, T: float) -> NDArray:

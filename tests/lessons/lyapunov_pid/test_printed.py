@@ -17,7 +17,6 @@ GAINS = Gains(*(np.array(EQ_333[name]) for name in ("K_p", "K_i", "K_d")))
 EVEN = Gains(np.full(4, 9e5), np.full(4, 5e4), np.full(4, 1e6))
 LOOSE = Gains(np.full(4, 9e5), np.full(4, 5e3), np.full(4, 1e6))
 ALPHA, COUNT = 1.5, 10_000
-FLOATING = replace(BACKHOE, gravity=0.0)
 
 
 @pytest.fixture
@@ -72,28 +71,11 @@ def test_printed_35_and_37_differ_from_the_closed_loop_in_the_damping_alone(rng)
         np.testing.assert_allclose(ddq - pushed, right[2], rtol=1e-9, atol=1e-8)
 
 
-def test_printed_37_is_unstable_everywhere_and_the_corrected_one_nowhere(rng):
-    for goal in rng.uniform(-np.pi, np.pi, (40, 4)):
-        assert poles(by_35, goal).real.max() > 100
-        assert poles(printed.closed_loop_rate_37, goal).real.max() > 100
-        assert poles(lyapunov.closed_loop_rate, goal).real.max() < 0
-
-
-def test_printed_38_rises_along_motions_and_does_not_have_the_derivative_of_318(rng):
-    w, error, dq = rng.normal(size=(3, 1000, 4)) * np.array([0.3, 0.2, 0.5])[:, None, None]
-    goal = rng.uniform(BACKHOE.lower, BACKHOE.upper, (1000, 4))
-    state = State(w, error, dq, goal)
-    rates = lyapunov.closed_loop_rate(state, GAINS, ALPHA)
-
-    def change(V):
-        ahead, behind = (V(moved(state, rates, h), GAINS, ALPHA) for h in (1e-6, -1e-6))
-        return (ahead - behind) / 2e-6
-
-    formula = lyapunov.derivative(state, GAINS, ALPHA)
-    np.testing.assert_allclose(change(lyapunov.function), formula, rtol=1e-5, atol=1e-2)
-    assert formula.max() < 0
-    assert np.mean(change(printed.function_38) > 0) > 0.05
-    assert np.median(np.abs(change(printed.function_38) / formula - 1)) > 0.2
+def test_printed_35_and_37_run_away_in_every_posture_at_700_to_2500_1_s(rng):
+    for goal in rng.uniform(-np.pi, np.pi, (100, 4)):
+        fastest = poles(by_35, goal).real.max()
+        assert 700 < fastest < 2500
+        assert poles(printed.closed_loop_rate_37, goal).real.max() == pytest.approx(fastest)
 
 
 def test_printed_derivative_of_v_does_not_belong_to_printed_37(rng):
@@ -102,32 +84,6 @@ def test_printed_derivative_of_v_does_not_belong_to_printed_37(rng):
     rates = printed.closed_loop_rate_37(state, GAINS, ALPHA)
     ahead, behind = (lyapunov.function(moved(state, rates, t), GAINS, ALPHA) for t in (h, -h))
     assert (np.abs((ahead - behind) / (2 * h) - claimed) > 0.1 * np.abs(claimed)).mean() > 0.9
-
-
-# (3.10), (3.12)
-
-
-def test_printed_310_is_not_an_energy(rng):
-    error, goal = rng.normal(size=(2, 20, 4))
-    still = np.zeros(4)
-    state = State(still, error, still, goal)
-    V = lyapunov.function(state, GAINS, ALPHA)
-    term = V - inequalities.quadratic_part(state, GAINS, ALPHA)
-    sums = printed.term_310(error, goal, GAINS, ALPHA)
-    assert sums.shape == (20, 4)
-    assert (np.ptp(sums, axis=-1) > 1e3).all()
-    at_rest = printed.term_310(still, goal, GAINS, ALPHA)
-    np.testing.assert_allclose(at_rest, 2 * dynamics.gravity_torque(goal))
-    assert (np.abs(sums - term[:, None]).max(axis=-1) > 1e3).all()
-
-
-def test_printed_rewriting_of_312_passes_gains_that_leave_no_stiffness(exact):
-    kp, ki = np.full(4, exact.kg + 2e5), np.full(4, 1e5)
-    assert printed.kp_condition_312(kp, ki, exact)
-    small_alpha = 0.2
-    assert (kp - ki / small_alpha).min() < exact.kg
-    low = lyapunov.check_gains(Gains(kp, ki, EVEN.kd), constants=exact).alpha_low
-    assert low == pytest.approx(0.5)
 
 
 # (3.17)
@@ -149,7 +105,7 @@ def test_the_condition_number_over_all_angles_is_in_the_hundreds(rng):
     assert np.median(number) == pytest.approx(223, abs=10)
 
 
-# (3.22), (3.23), (3.24)
+# (3.22), (3.24)
 
 
 def test_printed_322_fails_more_often_the_slower_the_arm_moves(rng, exact):
@@ -166,43 +122,10 @@ def test_printed_322_fails_more_often_the_slower_the_arm_moves(rng, exact):
     assert shares[0] < 0.01 and shares[-1] > 0.4
 
 
-def test_printed_320_can_be_below_the_derivative_of_v(rng):
-    """Without gravity k_g = 0 and (3.21) is exact for equal gains, so that (3.22) stands alone."""
-    c = lyapunov.constants(domain="torus", machine=FLOATING)
-    q = rng.uniform(-np.pi, np.pi, (COUNT, 4))
-    heavy = np.linalg.eigh(dynamics.mass_matrix(q))[1][..., -1]
-    dq = 0.1 * (heavy + 0.3 * rng.normal(size=(COUNT, 4)))
-    turn = np.einsum("ni,nkij,nj->nk", dq, dynamics.mass_matrix_derivative(q), dq)
-    error = -3 * turn / np.linalg.norm(turn, axis=-1, keepdims=True)
-    state = State(error, error, dq, q + error)
-    slope = lyapunov.derivative(state, EVEN, ALPHA, machine=FLOATING)
-    below = slope > printed.derivative_bound_320(state, EVEN, ALPHA, c)
-    assert below.mean() > 0.03
-    assert (slope <= inequalities.derivative_bound(state, EVEN, ALPHA, c)).all()
-
-
-def test_printed_322_is_the_corrected_one_with_the_speed_in_place_of_the_error(rng, exact):
-    x = rng.normal(size=(30, 4))
-    _, right = inequalities.rate_weights(x, GAINS, ALPHA, exact)
-    np.testing.assert_allclose(printed.weight_322(x, GAINS.kd, ALPHA, exact), right)
-
-
-def test_printed_323_has_kp_where_324_has_kd(exact):
-    still = np.zeros(4)
-    low, high = printed.alpha_limits_323(still, GAINS.kp, GAINS.ki, exact)
-    assert low == pytest.approx(lyapunov.check_gains(GAINS, constants=exact).alpha_low)
-    assert high == pytest.approx(GAINS.kp.min() / exact.lambda_max)
-    at_324 = printed.speed_bound_324(GAINS, exact)
-    edge = np.array([max(at_324, 0.0), 0.0, 0.0, 0.0])
-    from_kd = GAINS.kd.min() / (exact.lambda_max + exact.kc1 * edge[0])
-    assert (at_324 < 0) == (low > GAINS.kd.min() / exact.lambda_max)
-    assert from_kd != pytest.approx(high)
-
-
 def test_the_right_side_of_324_is_the_region_of_the_position_error(exact):
     certificate = lyapunov.check_gains(LOOSE, constants=exact)
     assert certificate.holds
-    assert printed.speed_bound_324(LOOSE, exact) == pytest.approx(certificate.region)
+    assert printed.bound_324(LOOSE, exact) == pytest.approx(certificate.region)
     _, edge = inequalities.rate_weights(
         [certificate.region, 0, 0, 0], LOOSE, certificate.alpha_low, exact
     )
@@ -216,9 +139,9 @@ def test_324_counts_no_seconds():
         lyapunov.constants(domain="torus", machine=machine)
         for machine in (BACKHOE, replace(BACKHOE, gravity=BACKHOE.gravity * slow**2))
     )
-    here = printed.speed_bound_324(LOOSE, once)
+    here = printed.bound_324(LOOSE, once)
     kp, ki, kd = LOOSE
-    there = printed.speed_bound_324(Gains(kp * slow**2, ki * slow**3, kd * slow), later)
+    there = printed.bound_324(Gains(kp * slow**2, ki * slow**3, kd * slow), later)
     assert there == pytest.approx(here)
 
 
@@ -273,17 +196,12 @@ def test_the_two_printings_of_the_gains_differ_in_two_entries():
     assert EQ_333["K_d"][0] == 10 * TABLE_31["K_d"][0]
 
 
-def test_table_31_breaks_the_bound_that_the_thesis_derives_for_it():
-    bound = NUMBERS["conclusions"]["K_d_above"]
-    assert min(EQ_333["K_d"]) > bound > min(TABLE_31["K_d"])
-
-
 def test_the_printed_speed_bound_is_ten_times_what_its_formula_can_give(thesis):
-    at_most = np.degrees(printed.speed_bound_324(GAINS, thesis.replace(lambda_max=0.0)))
+    at_most = np.degrees(printed.bound_324(GAINS, thesis.replace(lambda_max=0.0)))
     printed_bound = NUMBERS["conclusions"]["speed_bound_deg"]
     assert at_most == pytest.approx(115.4, abs=0.1)
     assert printed_bound / at_most == pytest.approx(10, rel=0.01)
-    own = np.degrees(printed.speed_bound_324(GAINS, thesis))
+    own = np.degrees(printed.bound_324(GAINS, thesis))
     assert own == pytest.approx(46.4, abs=0.1)
     assert own < NUMBERS["movement"]["largest_speed_deg"]
 
@@ -301,7 +219,7 @@ def test_printed_a8_never_holds_and_its_reverse_always(rng, exact):
 def test_bad_states_and_gains_are_refused(exact):
     zero = np.zeros(4)
     with pytest.raises(ValueError, match="dq must end in 4 joints"):
-        printed.weight_322(np.zeros(3), GAINS.kd, ALPHA, exact)
+        printed.weight_322(State(zero, zero, zero[:3], zero), GAINS, ALPHA, exact)
     with pytest.raises(ValueError, match="K_d must be positive definite"):
         printed.closed_loop_rate_35(*[zero] * 4, GAINS._replace(kd=-GAINS.kd))
     with pytest.raises(ValueError, match="alpha must be one number above 0"):

@@ -24,16 +24,16 @@ from backhoe.machine import BACKHOE, Machine
 __all__ = [
     "alpha_high_317",
     "alpha_limits_323",
+    "bound_324",
     "closed_loop_rate_35",
     "closed_loop_rate_37",
     "coriolis_bound_a8",
-    "derivative_bound_320",
     "function_38",
     "kd_bound_334",
     "kp_condition_312",
-    "speed_bound_324",
     "term_310",
     "weight_322",
+    "within_324",
 ]
 
 
@@ -154,73 +154,44 @@ def alpha_high_317(kd: ArrayLike, constants: Constants) -> float:
     return constants.lambda_min * _lowest(kd, "K_d") / constants.lambda_max**2
 
 
-def weight_322(dq: ArrayLike, kd: ArrayLike, alpha: float, constants: Constants) -> NDArray:
+def weight_322(state: State, gains: Gains, alpha: float, constants: Constants) -> NDArray:
     """W22 as printed in (3.22), with ||dq||: it adds kg m^2/s to kg m^2.
-
-    Args:
-        dq: joint speeds, shape (..., 4) [rad/s].
-        kd: gain, shape (4,) or (4, 4) [N m s/rad].
-        alpha: number of the analysis [1/s].
-
-    Returns:
-        Shape (...).
-
-    Raises:
-        ValueError: as for `closed_loop_rate_35`.
-    """
-    speed = np.linalg.norm(joint_vector(dq, "dq"), axis=-1)
-    inertia = constants.lambda_max + constants.kc1 * speed
-    return _lowest(kd, "K_d") - positive(alpha, "alpha", "1/s") * inertia
-
-
-def derivative_bound_320(state: State, gains: Gains, alpha: float, constants: Constants) -> NDArray:
-    """(3.20) with (3.21) and the printed (3.22): said to be above dV/dt.
 
     Args:
         state, gains, alpha: as for `closed_loop_rate_37`.
 
     Returns:
-        Shape (...) [W, but for the printed letter].
+        Shape (...).
 
     Raises:
         ValueError, TypeError: as for `closed_loop_rate_35`.
     """
-    (_, error, dq, _), gains = checked_state(state), gain_matrices(gains)
-    W11 = alpha * (lowest(gains.kp) - constants.kg) - highest(gains.ki)
-    sizes = np.linalg.norm(error, axis=-1), np.linalg.norm(dq, axis=-1)
-    W22 = weight_322(dq, gains.kd, alpha, constants)
-    return -W11 * sizes[0] ** 2 - W22 * sizes[1] ** 2
+    inertia = constants.lambda_max + constants.kc1 * _speed(state)
+    return lowest(gain_matrices(gains).kd) - positive(alpha, "alpha", "1/s") * inertia
 
 
-def alpha_limits_323(
-    dq: ArrayLike, kp: ArrayLike, ki: ArrayLike, constants: Constants
-) -> tuple[float, NDArray]:
+def alpha_limits_323(state: State, gains: Gains, constants: Constants) -> tuple[float, NDArray]:
     """(3.23): the second line with K_p, which (3.22) has as K_d, and with ||dq||.
 
     Args:
-        dq: joint speeds, shape (..., 4) [rad/s].
-        kp, ki: gains, shape (4,) or (4, 4) [N m/rad, N m/(rad s)].
+        state, gains: as for `closed_loop_rate_37`.
 
     Returns:
         What alpha must be above [1/s] and, shape (...), below [1/s^2 by its units].
 
     Raises:
-        ValueError: as for `closed_loop_rate_35`.
+        ValueError, TypeError: as for `closed_loop_rate_35`.
     """
-    speed = np.linalg.norm(joint_vector(dq, "dq"), axis=-1)
-    stiff = _lowest(kp, "K_p")
-    low = _highest(ki, "K_i") / (stiff - constants.kg)
-    return low, stiff / (constants.lambda_max + constants.kc1 * speed)
+    Kp, Ki, _ = gain_matrices(gains)
+    low = highest(Ki) / (lowest(Kp) - constants.kg)
+    return low, lowest(Kp) / (constants.lambda_max + constants.kc1 * _speed(state))
 
 
-def speed_bound_324(gains: Gains, constants: Constants) -> float:
-    """(3.24) = (3.29): said to bound ||dq|| [rad/s]. It bounds ||q~|| [rad].
+def bound_324(gains: Gains, constants: Constants) -> float:
+    """Right side of (3.24) = (3.29): kg m^2 over kg m^2, so [rad], printed as a bound in rad/s.
 
     Args:
         gains: as for `closed_loop_rate_35`.
-
-    Returns:
-        The right side, whose unit is none.
 
     Raises:
         ValueError, TypeError: as for `closed_loop_rate_35`.
@@ -228,6 +199,21 @@ def speed_bound_324(gains: Gains, constants: Constants) -> float:
     Kp, Ki, Kd = gain_matrices(gains)
     stiff = lowest(Kp) - constants.kg
     return (lowest(Kd) * stiff / highest(Ki) - constants.lambda_max) / constants.kc1
+
+
+def within_324(state: State, gains: Gains, constants: Constants) -> NDArray:
+    """Whether ||dq|| obeys (3.24), which holds of ||q~||.
+
+    Args:
+        state, gains: as for `closed_loop_rate_37`.
+
+    Returns:
+        Truth values, shape (...).
+
+    Raises:
+        ValueError, TypeError: as for `closed_loop_rate_35`.
+    """
+    return _speed(state) < bound_324(gains, constants)
 
 
 def kd_bound_334(kp: ArrayLike, ki: ArrayLike, constants: Constants) -> float:
@@ -266,6 +252,10 @@ def coriolis_bound_a8(
     turned = (coriolis_matrix(q, x, machine) @ y[..., None])[..., 0]
     sizes = np.linalg.norm(x, axis=-1) * np.linalg.norm(y, axis=-1)
     return np.linalg.norm(turned, axis=-1) >= constants.kc1 * sizes
+
+
+def _speed(state: State) -> NDArray:
+    return np.linalg.norm(checked_state(state).dq, axis=-1)
 
 
 def _acceleration(

@@ -6,10 +6,13 @@ gear, as the belts of the tracks are. The friction is the library's (`skid_steer
 Coulomb, one friction for both directions. In PyBullet (`rover_bullet`) it pushes a body of Bullet,
 whose contacts give each wheel's load; here, without PyBullet, the loads are those of statics.
 
-PyBullet's own friction is there for comparison (`contacts="bullet"`). It bounds the force along
-each of two axes that stay put in the world, so the effective half track of a Husky that turns in
-place goes from 0.50 to 0.60 m with its heading, where Coulomb's law gives 0.515 m at every heading;
-in a curve at 1 m/s it is 0.45 m, not 0.49 m. With PyBullet's friction cone it is above 0.75 m.
+PyBullet's own friction is there for comparison (`contacts="bullet"`). Its force has Coulomb's size,
+mu N at every heading, but not the direction of the slip: along each of two axes that stay put in
+the world it takes the impulse that would stop the slip, slip times the mass that the contact feels
+along that axis, and scales the pair down. Along a wheel only wheel and rotor resist, across it the
+whole robot. So the effective half track of a Husky that turns in place goes from 0.50 to 0.60 m
+with its heading, where Coulomb's law gives 0.515 m; in a curve of 1 m/s and 0.5 rad/s from 0.44 to
+0.58 m, not 0.49 m. A rotor behind another gear changes it.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ def friction_power(state: ArrayLike, vehicle: Vehicle = HUSKY) -> NDArray:
 
 
 def turning_half_track(vehicle: Vehicle = HUSKY) -> float:
-    """Half track that a vehicle turning in place seems to have, c + (mu_y/mu_x) a b/c [m].
+    """Half track that a vehicle turning in place seems to have, c + (mu_y/mu_x) a^2/c [m].
 
     Turning steadily without resistance to rolling, the wheels' longitudinal and lateral forces
     balance about the centre: c F_x = a F_y. Both come from one slip vector, so their ratio is
@@ -134,7 +134,7 @@ def turning_half_track(vehicle: Vehicle = HUSKY) -> float:
             f"{vehicle.front} and {vehicle.rear} m: simulate the turn instead"
         )
     share = vehicle.friction_lateral / vehicle.friction_longitudinal
-    return vehicle.half_track + share * vehicle.front * vehicle.rear / vehicle.half_track
+    return vehicle.half_track + share * vehicle.front**2 / vehicle.half_track
 
 
 def _state(state: ArrayLike) -> NDArray:

@@ -8,7 +8,6 @@ import control
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.integrate import solve_ivp
 
 from backhoe.lessons import published
 from backhoe.machine import BACKHOE
@@ -110,26 +109,6 @@ def test_impossible_vehicles_are_refused(change, says):
 # Kinematics
 
 
-def symbols():
-    return sp.symbols("v_x v_y omega theta c r x_ICR", real=True)
-
-
-def test_21_turns_velocity_by_the_heading(rng):
-    v_x, v_y, omega, theta, *_ = symbols()
-    turned = sp.rot_axis3(-theta) * sp.Matrix([v_x, v_y, omega])
-    oracle = sp.lambdify((theta, v_x, v_y, omega), turned.T, "numpy")
-    for angle, *velocity in rng.normal(size=(20, 4)):
-        expected = oracle(angle, *velocity)[0]
-        assert skid_steer.world_velocity(angle, velocity) == pytest.approx(expected)
-
-
-def test_22_and_23_undo_each_other_by_algebra():
-    v_x, _, omega, _, c, r, _ = symbols()
-    left, right = (v_x - omega * c) / r, (v_x + omega * c) / r
-    assert sp.simplify(r * (left + right) / 2 - v_x) == 0
-    assert sp.simplify(r * (right - left) / (2 * c) - omega) == 0
-
-
 def test_wheel_speeds_and_twist_undo_each_other(rng):
     twist = rng.normal(size=(50, 2))
     left, right = np.moveaxis(skid_steer.wheel_speeds(twist), -1, 0)
@@ -149,65 +128,6 @@ def test_an_effective_half_track_asks_for_faster_wheels():
     assert skid_steer.body_twist(left, right, half_track=2 * HUSKY.half_track)[1] == pytest.approx(
         1
     )
-
-
-def test_26_is_21_with_the_constraint_25_put_in():
-    v_x, _, omega, theta, _, _, x_icr = symbols()
-    cos, sin = sp.cos(theta), sp.sin(theta)
-    rate = sp.Matrix([[cos, x_icr * sin], [sin, -x_icr * cos], [0, 1]]) * sp.Matrix([v_x, omega])
-    inserted = sp.rot_axis3(-theta) * sp.Matrix([v_x, -x_icr * omega, omega])
-    assert sp.simplify(rate - inserted) == sp.zeros(3, 1)
-    found = skid_steer.pose_rate(0.7, [1.2, -0.4], x_icr=0.1)
-    values = {theta: 0.7, v_x: 1.2, omega: -0.4, x_icr: 0.1}
-    assert found == pytest.approx([float(value) for value in rate.subs(values)])
-
-
-def test_the_constraint_25_holds_along_a_simulated_path(rng):
-    pose, twist = rng.normal(size=(100, 3)), rng.normal(size=(100, 2))
-    dX, dY, dtheta = skid_steer.pose_rate(pose[:, 2], twist, x_icr=0.12).T
-    lateral = -np.sin(pose[:, 2]) * dX + np.cos(pose[:, 2]) * dY
-    assert lateral + 0.12 * dtheta == pytest.approx(np.zeros(100), abs=1e-12)
-    assert np.abs(lateral).max() > 0.1
-
-
-def test_the_constraint_is_not_holonomic():
-    *_, theta, _, _, x_icr = symbols()
-    x, y = sp.symbols("X Y")
-    forward = sp.Matrix([sp.cos(theta), sp.sin(theta), 0])
-    turning = sp.Matrix([x_icr * sp.sin(theta), -x_icr * sp.cos(theta), 1])
-    state = sp.Matrix([x, y, theta])
-    bracket = turning.jacobian(state) * forward - forward.jacobian(state) * turning
-    spanned = sp.Matrix.hstack(forward, turning, bracket)
-    assert sp.simplify(spanned.det()) in (1, -1)  # every direction of (X, Y, theta) is reached
-
-
-def test_24_is_26_without_x_icr():
-    assert skid_steer.pose_rate(0.3, [2.0, 1.0]) == pytest.approx(
-        [2 * np.cos(0.3), 2 * np.sin(0.3), 1.0]
-    )
-
-
-def test_turning_in_place_the_centre_of_mass_describes_a_circle_of_radius_x_icr():
-    t = np.linspace(0, 2 * np.pi, 200)
-    path = (
-        solve_ivp(
-            lambda _, q: skid_steer.pose_rate(q[2], [0.0, 1.0], x_icr=0.12),
-            (0, 2 * np.pi),
-            [0.0, 0.0, 0.0],
-            t_eval=t,
-            rtol=1e-10,
-            atol=1e-12,
-        )
-        .y[:2]
-        .T
-    )
-    centre = (path.max(0) + path.min(0)) / 2
-    assert np.hypot(*(path - centre).T) == pytest.approx(np.full(200, 0.12), abs=1e-4)
-
-
-def test_x_icr_0_leaves_lateral_slip():
-    slip = skid_steer.contact_velocity([1.0, 0.0, 0.5])[:, 1]
-    assert slip == pytest.approx(0.5 * np.array([1, 1, -1, -1]) * HUSKY.front)
 
 
 def test_contact_velocity_is_the_derivative_of_the_contact_point(rng):
@@ -242,17 +162,6 @@ def test_wrong_arguments_of_kinematics_are_named(call, says):
 # Friction
 
 
-def test_coulomb_and_viscous_friction_add():
-    assert skid_steer.coulomb([-2.0, 0.0, 3.0], 100.0, 0.3, viscous=5.0) == pytest.approx(
-        [-40.0, 0.0, 45.0]
-    )
-
-
-def test_the_smooth_sign_tends_to_the_sign():
-    v = np.array([-1.0, -0.01, 0.01, 1.0])
-    assert skid_steer.smooth_sign(v, 1e7) == pytest.approx(np.sign(v), abs=1e-4)
-
-
 def test_the_slope_of_the_linear_law_is_the_derivative_of_the_smooth_one():
     v, k_s, mu = sp.symbols("v k_s mu", positive=True)
     derivative = sp.diff(mu * 2 / sp.pi * sp.atan(k_s * v), v).subs(v, 0)
@@ -283,15 +192,6 @@ def test_where_one_law_resembles_the_smooth_one_the_other_does_not():
     speeds = np.geomspace(1e-4, 1.0, 400)
     coulomb_from = speeds[skid_steer.smooth_sign(speeds, k_s) > 0.9][0]
     assert coulomb_from > 10 * linear_up_to
-
-
-def test_hypothesis_8_contradicts_the_premise_of_the_linear_law():
-    """Viscous friction beyond Coulomb's at 1 m/s makes it no small share anywhere near."""
-    normal, mu, speed = 100.0, 0.2, 1.0
-    viscous = 1.01 * mu * normal / speed  # hypothesis 8 at 1 m/s
-    whole = skid_steer.coulomb(speed, normal, mu, viscous)
-    neglected = skid_steer.coulomb(speed, normal, mu)  # (2.9), the premise of (2.11)
-    assert whole > 2 * neglected
 
 
 @pytest.mark.parametrize(

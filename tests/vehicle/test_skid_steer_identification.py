@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import sympy as sp
 
 from backhoe.lessons.skid_steer import printed
 from backhoe.vehicle import skid_steer
@@ -50,13 +49,6 @@ def test_turning_in_place_x_icr_is_the_radius_of_the_centre_of_mass_s_circle():
     assert found.x_icr == pytest.approx((x.max() - x.min()) / 2, abs=1e-4)
     assert found.x_icr == pytest.approx((y.max() - y.min()) / 2, abs=1e-4)
     assert np.isnan(found.path_scale)
-
-
-def test_27_corrected_follows_from_23_by_algebra():
-    r, c, left, right, phi = sp.symbols("r c Theta_L Theta_R phi", positive=True)
-    turned = r * (right - left) / (2 * c)  # (2.3) integrated: Theta are the angles of the wheels
-    solved = sp.solve(sp.Eq(phi, turned), c)
-    assert solved == [r * (right - left) / (2 * phi)]
 
 
 @pytest.mark.parametrize(("half_track", "x_icr"), [(0.3, 0.12), (0.5, -0.05)])

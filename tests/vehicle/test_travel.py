@@ -26,15 +26,6 @@ LOOPS = [
 # The control law
 
 
-def test_translation_pushes_both_tracks_alike_and_rotation_against_each_other():
-    ahead = VelocityPI(limit=np.inf)(0.1, 0.0, 0.0, 0.0, 0.02)
-    left, right = VelocityPI(limit=np.inf)(0.0, 0.1, 0.0, 0.0, 0.02)
-    assert ahead[0] == ahead[1] > 0
-    assert right == -left > 0
-    both = VelocityPI(limit=np.inf)(0.1, 0.1, 0.0, 0.0, 0.02)
-    assert both == pytest.approx((ahead[0] + left, ahead[1] + right))
-
-
 def test_the_printed_gains_are_those_of_table_32():
     kp, ki = travel.GAINS
     table = published.load("mastalli_2013_table_32")

@@ -20,7 +20,7 @@ def converts_as(quantity, exponents):
     return here == pytest.approx(there * factor, rel=1e-9)
 
 
-FORCE, MOMENT, RATE = (1, 1, -2), (1, 2, -2), (0, 0, -1)
+FORCE, MOMENT = (1, 1, -2), (1, 2, -2)
 
 
 def test_213b_as_printed_is_a_force_and_repaired_a_moment():
@@ -61,18 +61,6 @@ def test_214_lacks_the_division_by_the_wheel_radius():
     assert np.array(printed.torque_214(u, v, omega)) / HUSKY.wheel_radius == pytest.approx(right)
 
 
-@pytest.mark.parametrize("entry", [(1, 1), (3, 3)])
-def test_216_as_printed_has_no_rates_in_a(entry):
-    def one(vehicle, _, __):
-        return float(printed.state_space_216(vehicle).A[entry])
-
-    def repaired(vehicle, _, __):
-        return float(skid_steer.state_space(vehicle).A[entry])
-
-    assert not converts_as(one, RATE)
-    assert converts_as(repaired, RATE)
-
-
 def test_216_as_printed_lacks_a_wheel_a_side_and_one_radius():
     free = replace(HUSKY, rolling=0.0, lateral=0.0)
     ratio = (
@@ -80,39 +68,6 @@ def test_216_as_printed_lacks_a_wheel_a_side_and_one_radius():
         / printed.state_space_216(free).A[[1, 3], [1, 3]]
     )
     assert ratio == pytest.approx([2 / HUSKY.wheel_radius] * 2)
-
-
-def test_212_and_217_agree_with_the_repaired_model():
-    """m dv = F_R + F_L - R_x and I domega = (F_R - F_L) c - M_r, and every state is measured."""
-    u, v, omega = np.array([1.0, 0.5]), 0.3, 0.1
-    torque = HUSKY.speed_gain * (skid_steer.wheel_speeds(u) - skid_steer.wheel_speeds([v, omega]))
-    left, right = 2 * torque / HUSKY.wheel_radius
-    weight = HUSKY.mass * HUSKY.gravity
-    resistance = weight * HUSKY.rolling * v
-    moment = weight * HUSKY.lateral * HUSKY.front * HUSKY.rear * omega
-    A, B, C, D = skid_steer.state_space()
-    found = A @ [0, v, 0, omega] + B @ u
-    assert found[1] * HUSKY.mass == pytest.approx(right + left - resistance)
-    turning = (right - left) * HUSKY.half_track - moment
-    assert found[3] * HUSKY.inertia == pytest.approx(turning)
-    assert np.array_equal(C, np.eye(4))
-    assert np.array_equal(printed.state_space_216().C, C)
-    assert np.array_equal(printed.state_space_216().D, D)
-
-
-def test_41_solves_the_motor_s_two_differential_equations():
-    m, load = replace(motor.WHEELCHAIR, gear=1.0), motor.Load(0.04, 0.002)
-    J, b = m.inertia + load.inertia, m.friction + load.friction
-    A = np.array(
-        [
-            [-m.resistance / m.inductance, -m.back_emf / m.inductance],
-            [m.torque_constant / J, -b / J],
-        ]
-    )
-    B = np.diag([1 / m.inductance, -1 / J])  # of voltage on the current, of torque on the speed
-    for s in (0.0, 3.0j, -4.0 + 50.0j, 2000.0j):
-        truth = np.linalg.solve(s * np.eye(2) - A, B)[1]
-        assert printed.transfer_41(s, m, load) == pytest.approx(truth, rel=1e-9)
 
 
 def test_41_without_inductance_is_the_first_order_motor():

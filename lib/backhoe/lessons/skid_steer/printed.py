@@ -13,7 +13,7 @@ from backhoe.vehicle.motor import Load, Motor
 from backhoe.vehicle.skid_steer.linear_model import StateSpace
 from backhoe.vehicle.skid_steer.vehicle import HUSKY, Vehicle
 
-__all__ = ["moment_213b", "state_space_216", "torque_214", "transfer_41", "x_icr_27"]
+__all__ = ["moment_213b", "rates_215", "state_space_216", "torque_214", "transfer_41", "x_icr_27"]
 
 
 def x_icr_27(time: ArrayLike, left: ArrayLike, right: ArrayLike, turn: float) -> float:
@@ -63,6 +63,26 @@ def torque_214(
     )
 
 
+def rates_215(vehicle: Vehicle = HUSKY) -> NDArray:
+    """2 K_ptau/(m r), g K_x, 2 K_ptau c^2/(I r), m g K_y c/I of (2.15), meant as rates [1/s].
+
+    Args:
+        vehicle: its numbers.
+
+    Returns:
+        What drives and what drags v, then the same of omega, shape (4,); only g K_x is in 1/s.
+    """
+    p = vehicle
+    return np.array(
+        [
+            2 * p.speed_gain / (p.mass * p.wheel_radius),
+            p.gravity * p.rolling,
+            2 * p.speed_gain * p.half_track**2 / (p.inertia * p.wheel_radius),
+            p.mass * p.gravity * p.lateral * p.half_track / p.inertia,
+        ]
+    )
+
+
 def state_space_216(vehicle: Vehicle = HUSKY) -> StateSpace:
     """The matrices of (2.16), (2.17), with I_r read as I r as in (2.15b).
 
@@ -72,13 +92,10 @@ def state_space_216(vehicle: Vehicle = HUSKY) -> StateSpace:
     Returns:
         A, B, C, D for the states x, dx, theta, dtheta and the inputs u_1, u_2.
     """
-    p = vehicle
-    push = 2 * p.speed_gain / (p.mass * p.wheel_radius)
-    turn = 2 * p.speed_gain * p.half_track**2 / (p.inertia * p.wheel_radius)
+    push, drag, turn, brake = rates_215(vehicle)
     A, B = np.zeros((4, 4)), np.zeros((4, 2))
     A[0, 1] = A[2, 3] = 1.0
-    A[1, 1] = -push - p.gravity * p.rolling
-    A[3, 3] = -turn - p.mass * p.gravity * p.lateral * p.half_track / p.inertia
+    A[1, 1], A[3, 3] = -push - drag, -turn - brake
     B[1, 0], B[3, 1] = push, turn
     return StateSpace(A, B, np.eye(4), np.zeros((4, 2)))
 

@@ -1,4 +1,4 @@
-"""D'Angelo's tracking equations exactly as printed: (5.1), (6.8), (6.11)-(6.14), (7.1), (9.13).
+"""D'Angelo's tracking equations exactly as printed in chapters 5 to 7 and 9.
 
 Not for use: lesson 05 tests them, `backhoe.vehicle.tracking` has the right ones. What the print
 leaves open is read so:
@@ -6,14 +6,12 @@ leaves open is read so:
 - (6.8b) writes the inner rate h(y_n, t_n) without its input u_n; it is taken with the input 0;
 - (6.11), (7.1c) and (9.10) write arctan of a fraction; `two_arguments=True` reads atan2, as the
   source's own listing in section 7.1 does.
-
-Reference: D'Angelo 2022, chapters 5 to 7 and 9.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import atan, atan2, copysign, cos, hypot, inf, sin
+from math import atan, atan2, copysign, cos, factorial, hypot, inf, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +24,7 @@ __all__ = [
     "pose_errors_51",
     "runge_kutta_71",
     "step_68",
+    "taylor_62",
     "taylor_613",
 ]
 
@@ -48,6 +47,17 @@ def pose_errors_51(
     beta = atan2(goal_y - y, goal_x - x) - theta
     phi = atan2(next_y - goal_y, next_x - goal_x)
     return rho, beta, rho * sin(beta), theta - phi
+
+
+def taylor_62(derivative: Callable[[int, float], float], m: int, t0: float, t: float) -> float:
+    """y(t) of (6.2): what is printed as an equality is the polynomial, without its remainder.
+
+    Args:
+        derivative: derivative(k, t), the k-th derivative of y at time t [s].
+        m: order of the polynomial.
+        t0, t: where it is expanded, and where it is asked for [s].
+    """
+    return sum(derivative(k, t0) * (t - t0) ** k / factorial(k) for k in range(m + 1))
 
 
 def step_68(

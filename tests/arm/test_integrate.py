@@ -23,6 +23,22 @@ def pendulum(t, q, dq):
     return -np.sin(q)
 
 
+def terms(q):
+    return (
+        dynamics.mass_matrix(q),
+        dynamics.mass_matrix_derivative(q),
+        dynamics.gravity_torque(q) - TAU,
+    )
+
+
+def pendulum_terms(q):
+    return np.eye(1), np.zeros((1, 1, 1)), np.sin(q)
+
+
+def symplectic(x0, dt, steps):
+    return integrate.symplectic_euler(pendulum_terms if len(x0) == 2 else terms, x0, dt, steps)
+
+
 def errors(roll_out, x0, end, exact, steps=(40, 80, 160)):
     """Distance from the exact end state for every number of steps."""
     return np.array([np.abs(roll_out(x0, end / n, n).x[-1] - exact).max() for n in steps])
@@ -33,12 +49,20 @@ def observed_order(found):
 
 
 def by_name(name):
+    if name == "symplectic_euler":
+        return lambda _: symplectic
     if name == "semi_implicit_euler":
         return lambda a: lambda *rest: integrate.semi_implicit_euler(a, *rest)
     return lambda a: lambda *rest: getattr(integrate, name)(integrate.motion(a), *rest)
 
 
-ORDERS = [("euler", 1), ("semi_implicit_euler", 1), ("trapezoid", 2), ("rk4", 4)]
+ORDERS = [
+    ("euler", 1),
+    ("semi_implicit_euler", 1),
+    ("symplectic_euler", 1),
+    ("trapezoid", 2),
+    ("rk4", 4),
+]
 
 
 @pytest.mark.parametrize(("name", "order"), ORDERS)
@@ -86,7 +110,9 @@ def test_runge_kutta_step_of_a_linear_rate_is_the_taylor_polynomial():
 def test_energy_of_a_spring_grows_with_euler_and_is_kept_by_the_trapezoid():
     f, x0 = integrate.motion(spring), [1.0, 0.0]
     energy = {
-        name: (by_name(name)(spring)(x0, 0.05, 2000).x ** 2).sum(axis=1) / 2 for name, _ in ORDERS
+        name: (by_name(name)(spring)(x0, 0.05, 2000).x ** 2).sum(axis=1) / 2
+        for name, _ in ORDERS
+        if name != "symplectic_euler"
     }
     assert (np.diff(energy["euler"]) > 0).all()
     np.testing.assert_allclose(energy["euler"][-1], 0.5 * (1 + 0.05**2) ** 2000)
@@ -127,9 +153,99 @@ def test_rates_may_be_plain_lists():
     np.testing.assert_allclose(result.x[-1], [np.cos(1), -np.sin(1)], atol=1e-3)
 
 
+def test_symplectic_euler_is_the_semi_implicit_one_where_the_mass_is_constant():
+    x0 = np.array([2.0, 0.5])
+    own = integrate.semi_implicit_euler(pendulum, x0, 0.1, 100).x
+    np.testing.assert_allclose(symplectic(x0, 0.1, 100).x, own, atol=1e-12)
+
+
+# What a step does to areas, and a long run to energy
+
+FREE_START = np.r_[np.radians([0.0, -89.7, 93.9, -100.5]), np.zeros(4)]
+OFFSETS = np.arange(-4, 5)
+EIGHTH_ORDER = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+UNIT = 1e4  # of momentum [kg m^2/s], so that a change of angle and one of momentum are alike
+
+
+def momentum(q, dq):
+    return dynamics.mass_matrix(q) @ dq
+
+
+def broken_area(roll_out, x0, dt=0.02):
+    """Largest entry of J^T S J - S, where J is the derivative of one step in (q, p)."""
+
+    def step(y):
+        q, p = y[:4], UNIT * y[4:]
+        q, dq = np.split(roll_out(np.r_[q, np.linalg.solve(dynamics.mass_matrix(q), p)], dt, 1), 2)
+        return np.r_[q, momentum(q, dq) / UNIT]
+
+    y = np.r_[x0[:4], momentum(*np.split(x0, 2)) / UNIT]
+    h = 5e-3
+    J = sum(
+        weight * np.array([step(y + h * offset * e) for e in np.eye(8)]).T / h
+        for offset, weight in zip(OFFSETS, EIGHTH_ORDER, strict=True)
+        if weight
+    )
+    S = np.block([[np.zeros((4, 4)), np.eye(4)], [-np.eye(4), np.zeros((4, 4))]])
+    return np.abs(J.T @ S @ J - S).max()
+
+
+def test_only_the_step_in_momenta_keeps_areas_when_the_mass_matrix_turns():
+    """The definition of symplectic, to rounding; (q, dq) instead of (q, p) breaks it."""
+    x0 = np.r_[0.3, -0.4, 0.7, 0.2, 0.5, -0.6, 0.9, 1.1]
+    kept = broken_area(lambda *a: integrate.symplectic_euler(terms, *a).x[-1], x0)
+    lost = broken_area(lambda *a: integrate.semi_implicit_euler(falling, *a).x[-1], x0)
+    assert kept < 1e-9
+    assert lost > 1e-3
+
+
+def change_of_energy(states):
+    """Kinetic plus potential energy less that of the start [kJ]."""
+    energy = np.add(*dynamics.energy(states[:, :4], states[:, 4:])) / 1e3
+    return energy - energy[0]
+
+
+def free_swing(t, q, dq):
+    return dynamics.forward_dynamics(q, dq, np.zeros(4))
+
+
+def test_semi_implicit_euler_gains_energy_in_a_free_swing_until_it_is_infinite():
+    change = change_of_energy(integrate.semi_implicit_euler(free_swing, FREE_START, 0.02, 10_000).x)
+    np.testing.assert_allclose(change[[500, 2500, 5000]], [1.06, 10.87, 23.71], atol=0.02)
+    assert change[-1] > 100
+    with pytest.raises(FloatingPointError, match=r"at t = 23\d"):
+        integrate.semi_implicit_euler(free_swing, FREE_START, 0.02, 15_000)
+
+
+def test_a_shorter_step_only_delays_the_wandering_of_semi_implicit_euler():
+    change = change_of_energy(
+        integrate.semi_implicit_euler(free_swing, FREE_START, 0.005, 20_000).x
+    )
+    assert np.abs(change[:2000]).max() < 0.5
+    assert change[-1] < -4
+
+
+def test_symplectic_euler_keeps_the_energy_of_the_free_swing_within_a_band_for_300_s():
+    def free_terms(q):
+        return terms(q)[:2] + (dynamics.gravity_torque(q),)
+
+    change = change_of_energy(integrate.symplectic_euler(free_terms, FREE_START, 0.02, 15_000).x)
+    assert np.abs(change).max() < 2
+    thirds = change[1:].reshape(3, -1)
+    assert np.abs(thirds.mean(axis=1)).max() < 0.05
+
+
+@pytest.mark.parametrize(("rule", "least"), [(integrate.trapezoid, -0.5), (integrate.rk4, -0.1)])
+def test_trapezoid_and_runge_kutta_wander_little_in_300_s(rule, least):
+    change = change_of_energy(rule(integrate.motion(free_swing), FREE_START, 0.02, 15_000).x)
+    assert least < change.min() and change.max() < 0.1
+
+
 def test_repetition_that_does_not_settle_says_so():
     with pytest.raises(ArithmeticError, match=r"did not settle in 50 repetitions at t = 0 s"):
         integrate.trapezoid(lambda t, x: -15.0 * x, [1.0], 0.3, 10)
+    with pytest.raises(ArithmeticError, match=r"symplectic Euler rule did not settle in 50"):
+        integrate.symplectic_euler(terms, np.r_[CASE_1[:4], 0, 9, 9, -9], 1.0, 1)
 
 
 @pytest.mark.parametrize("roll_out", [integrate.euler, integrate.rk4])
@@ -170,3 +286,5 @@ def test_rate_of_another_shape_is_refused(roll_out):
 def test_state_that_does_not_split_is_refused():
     with pytest.raises(ValueError, match="positions and as many speeds, got 3 values"):
         integrate.semi_implicit_euler(spring, [1.0, 2.0, 3.0], 0.1, 5)
+    with pytest.raises(ValueError, match="positions and as many speeds, got 3 values"):
+        integrate.symplectic_euler(pendulum_terms, [1.0, 2.0, 3.0], 0.1, 5)

@@ -1,14 +1,18 @@
 """Fixed-step integrators, each a few lines, for comparing what they do to a motion.
 
-All step dx/dt = f(t, x) from x0 and return every state on the way, with `f` as scipy's `solve_ivp`
-takes it; `motion` makes such an f of an acceleration, with the state x = (q, dq).
+All go from x0 and return each state on the way. Most step dx/dt = f(t, x), with `f` as scipy's
+`solve_ivp` takes it; `motion` makes such an f of an acceleration, with the state x = (q, dq).
 
-| rule | order | in a swinging arm |
+| rule | order | energy of an arm that swings freely for 300 s, in steps of 20 ms |
 |---|---|---|
-| `euler` | 1 | gains energy |
-| `semi_implicit_euler` | 1 | energy stays within a band |
-| `trapezoid` | 2 | energy drifts little |
-| `rk4` | 4 | energy drifts least at small steps |
+| `euler` | 1 | grows from the start |
+| `semi_implicit_euler` | 1 | wanders off, and is infinite before the end |
+| `symplectic_euler` | 1 | within a band, as it is symplectic whatever M(q) does |
+| `trapezoid` | 2 | wanders by a tenth of that band |
+| `rk4` | 4 | falls, by a hundredth of that band |
+
+Source of the symplectic step: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration,
+Springer 2006, section VI.3.
 """
 
 from __future__ import annotations
@@ -21,10 +25,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import numbers, positive, whole
 
-__all__ = ["Rollout", "euler", "motion", "rk4", "semi_implicit_euler", "trapezoid"]
+__all__ = [
+    "Rollout",
+    "euler",
+    "motion",
+    "rk4",
+    "semi_implicit_euler",
+    "symplectic_euler",
+    "trapezoid",
+]
 
 Rate = Callable[[float, NDArray], ArrayLike]
 Acceleration = Callable[[float, NDArray, NDArray], ArrayLike]
+Terms = Callable[[NDArray], tuple[ArrayLike, ArrayLike, ArrayLike]]
 
 
 class Rollout(NamedTuple):
@@ -80,8 +93,9 @@ def semi_implicit_euler(
 ) -> Rollout:
     """Semi-implicit Euler: first the speed, then the position with the new speed.
 
-    dq_k+1 = dq_k + dt a(t_k, q_k, dq_k), q_k+1 = q_k + dt dq_k+1: what most physics engines do,
-    PyBullet among them. It takes the acceleration itself, not its `motion`.
+    dq_k+1 = dq_k + dt a(t_k, q_k, dq_k), q_k+1 = q_k + dt dq_k+1: what PyBullet does, and MuJoCo
+    unless told otherwise. It is symplectic where a does not depend on dq; an arm's does, and then
+    nothing holds its energy. It takes the acceleration itself, not its `motion`.
 
     Args:
         acceleration: function of t, q and dq that gives ddq.
@@ -95,8 +109,7 @@ def semi_implicit_euler(
         ValueError: as for `euler`, or x0 does not split in two halves.
         FloatingPointError: as for `euler`.
     """
-    if np.size(x0) % 2:
-        raise ValueError(f"x0 must be positions and as many speeds, got {np.size(x0)} values")
+    _halves(x0)
 
     def step(t: float, x: NDArray) -> NDArray:
         q, dq = np.split(x, 2)
@@ -104,6 +117,55 @@ def semi_implicit_euler(
         return np.concatenate([q + dt * dq, dq])
 
     return _roll_out(step, motion(acceleration), x0, dt, steps)
+
+
+def symplectic_euler(
+    terms: Terms,
+    x0: ArrayLike,
+    dt: float,
+    steps: int,
+    tolerance: float = 1e-12,
+    max_iterations: int = 50,
+) -> Rollout:
+    """Symplectic Euler: first the momentum p = M(q) dq, then the position with the new momentum.
+
+    p_k+1 = p_k + dt (v dM/dq v / 2 - g(q_k)) with v = M(q_k)^-1 p_k+1, and q_k+1 = q_k + dt v. The
+    first is an equation for v, repeated until it stands still. For a constant M this is
+    `semi_implicit_euler`.
+
+    Args:
+        terms: function of q, shape (n,), that gives the mass matrix M (n, n), its derivatives
+            dM (n, n, n), dM[k] by q_k, and the slope g (n,) of the potential energy, from which
+            constant forces are taken off.
+        x0, dt, steps: as for `semi_implicit_euler`.
+        tolerance, max_iterations: as for `trapezoid`.
+
+    Returns:
+        Times and states (q, dq).
+
+    Raises:
+        ValueError: as for `semi_implicit_euler`.
+        ArithmeticError: the repetition does not stand still: the step is too long.
+        FloatingPointError: as for `euler`.
+    """
+    _halves(x0)
+    here = None
+
+    def step(t: float, x: NDArray) -> NDArray:
+        nonlocal here
+        q, dq = np.split(x, 2)
+        M, dM, g = here or terms(q)
+        momentum, inverse = M @ dq - dt * np.asarray(g), np.linalg.inv(M)
+
+        def again(v: NDArray) -> NDArray:
+            return inverse @ (momentum + dt / 2 * (dM @ v @ v))
+
+        v = _settled(again, dq, tolerance, max_iterations, "symplectic Euler rule", t, dt)
+        q = q + dt * v
+        here = terms(q)
+        return np.concatenate([q, np.linalg.solve(here[0], M @ v)])
+
+    return _roll_out(step, motion(lambda t, q, dq: terms(q)[2]), x0, dt, steps)
 
 
 def trapezoid(
@@ -137,15 +199,12 @@ def trapezoid(
 
     def step(t: float, x: NDArray) -> NDArray:
         rate = np.asarray(f(t, x))
-        new = x + dt * rate
-        for _ in range(max_iterations):
-            old, new = new, x + dt / 2 * (rate + np.asarray(f(t + dt, new)))
-            if (np.abs(new - old) <= tolerance * (1 + np.abs(new))).all():
-                return new
-        raise ArithmeticError(
-            f"the trapezoidal rule did not settle in {max_iterations} repetitions at t = {t:.4g} s:"
-            f" take a step shorter than {dt:.4g} s"
-        )
+
+        def again(new: NDArray) -> NDArray:
+            return x + dt / 2 * (rate + np.asarray(f(t + dt, new)))
+
+        guess = x + dt * rate
+        return _settled(again, guess, tolerance, max_iterations, "trapezoidal rule", t, dt)
 
     return _roll_out(step, f, x0, dt, steps)
 
@@ -161,6 +220,25 @@ def rk4(f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:
         return x + dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
     return _roll_out(step, f, x0, dt, steps)
+
+
+def _halves(x0: ArrayLike) -> None:
+    if np.size(x0) % 2:
+        raise ValueError(f"x0 must be positions and as many speeds, got {np.size(x0)} values")
+
+
+def _settled(
+    again: Callable, x: NDArray, tolerance: float, most: int, rule: str, t: float, dt: float
+) -> NDArray:
+    """Repeat x = again(x) until it stands still."""
+    for _ in range(most):
+        old, x = x, again(x)
+        if (np.abs(x - old) <= tolerance * (1 + np.abs(x))).all():
+            return x
+    raise ArithmeticError(
+        f"the {rule} did not settle in {most} repetitions at t = {t:.4g} s:"
+        f" take a step shorter than {dt:.4g} s"
+    )
 
 
 def _roll_out(step: Callable, f: Rate, x0: ArrayLike, dt: float, steps: int) -> Rollout:

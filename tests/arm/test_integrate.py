@@ -227,7 +227,7 @@ def test_a_shorter_step_only_delays_the_wandering_of_semi_implicit_euler():
 
 def test_symplectic_euler_keeps_the_energy_of_the_free_swing_within_a_band_for_300_s():
     def free_terms(q):
-        return terms(q)[:2] + (dynamics.gravity_torque(q),)
+        return (*terms(q)[:2], dynamics.gravity_torque(q))
 
     change = change_of_energy(integrate.symplectic_euler(free_terms, FREE_START, 0.02, 15_000).x)
     assert np.abs(change).max() < 2

@@ -47,21 +47,9 @@ def test_a_square_of_1_2_m_has_the_four_numbers_that_table_51_prints_for_p():
     values = _compared(square, ("P",)).values
     printed = published.load("dangelo_2022_table_51")["P"]["square"]
     for field, value in printed.items():
-        assert values[field][0, 0] == pytest.approx(value, abs=0.006)
+        within = 0.0055 if field == "d_ratio" else 0.0025
+        assert values[field][0, 0] == pytest.approx(value, abs=within)
     assert values["d_ratio"][1, 0] > printed["d_ratio"] + 0.05
-
-
-@pytest.mark.parametrize("path", [tracking.circle(), tracking.square(), tracking.figure_eight()])
-def test_alpha_as_printed_never_arrives_with_gains_that_do_with_the_other_sign(path):
-    def drive(alpha):
-        def tracker(pose, twist, goal, dt):
-            rho, dy, angle = tracking.pose_errors(pose, goal.position, goal.next_position)
-            return rho, 4.0 * dy + (rho <= 0.4) * alpha * angle
-
-        return tracking.follow(tracker, tracking.IdealPlant(0.05), path, time_limit=60.0)
-
-    assert drive(1.0).reached
-    assert not drive(-1.0).reached
 
 
 @pytest.mark.parametrize(

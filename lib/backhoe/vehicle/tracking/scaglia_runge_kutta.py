@@ -16,7 +16,10 @@ after, whatever k_v is. Its factor is -(1 - w)/w, which is -1 for w = 1/2: the m
 trapezoid rule (Crank and Nicolson's) is known for, and cured as there, by giving the end more
 weight. `speed_modes` has the eigenvalues. w = 1 is the implicit Euler rule, without V_n at all.
 
-W_n in (7.1b) is multiplied by k_w, and so damped, in the print too.
+That is for a speed that ramps, as (6.8) supposes. Where the order is held instead, (7.1a) is
+unstable for every k_v. (7.1b) multiplies W_n by k_w as well, which is calm on a ramp; held, its
+factors are the roots of l^2 - (1 - 3 k_w) l - k_w = 0, one of them exactly -1 at the printed
+k_w = 1/2: turning on the spot, the vehicle swings for ever.
 
 Where the wanted speed points backwards, (7.1c) turns the vehicle round, and a step too fast makes
 it spin. The repaired tracker brakes instead: it takes theta_d the other way and V negative.
@@ -40,7 +43,7 @@ class ScagliaRungeKutta:
 
     Args:
         kv, kw: gains of (7.1), each above 0 and at most 1; the source's code has 0.4 and 0.5.
-        weight: w of the new speeds, from 1/2 (as printed, rings for ever) to 1.
+        weight: w of the new speeds, from 1/2 (as printed: rings or grows) to 1.
         brake: drive backwards rather than turn round where the wanted speed points backwards;
             False as printed.
         period: sample time T0 that `follow` shall call it with [s]; None: the plant's.

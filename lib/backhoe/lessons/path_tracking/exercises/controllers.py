@@ -54,8 +54,8 @@ SCAGLIA = Exercise(
     cases=_cases,
     mistakes={
         (
-            "V is (6.13a) as printed, the whole distance over dt: the least of J has theta_n, not "
-            "theta_d"
+            "V is (6.13a) as printed, k_v^2 times the whole distance over dt: the least of J has "
+            "theta_n, not theta_d"
         ): _printed(0),
         "that solves (9.13) as printed: the derivative of the square has lost its minus": (
             lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2 / (2 * kv2 - 1), kw2)

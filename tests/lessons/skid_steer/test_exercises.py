@@ -12,7 +12,6 @@ from backhoe.vehicle import motor, skid_steer
 from backhoe.vehicle.skid_steer import HUSKY, replace
 
 rng = np.random.default_rng(4)
-STEP = np.ones(625)
 
 
 def test_the_librarys_clamping_passes_though_it_gives_other_outputs_at_a_tight_limit():

@@ -40,8 +40,8 @@ def contacts(
 ) -> Figure:
     """Vehicles side by side from above, with the velocities of their contact points on the ground.
 
-    Blue is what a wheel can roll, red what it must slip: across always, and along it as much as
-    its own speed differs from that of the ground under it.
+    Blue is what a wheel can roll, red what it must slip: all that passes across it, and along it as
+    much as its own speed differs from that of the ground under it.
 
     Args:
         cases: title -> twist of the centre of mass, v_x, v_y [m/s] and omega [rad/s], shape (3,).

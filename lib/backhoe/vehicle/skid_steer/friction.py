@@ -5,7 +5,7 @@ All give the size of the friction force, positive against a positive slip veloci
 Source: D'Angelo 2022, section 2.3.1. Its text calls Coulomb's law "static friction": it is the
 friction of sliding. The linear law (2.11) is the tangent of the smooth one at v = 0 and holds for
 |v| << 1/k_s only, while the smooth law resembles Coulomb's for |v| >> 1/k_s only: with k_s >> 1, as
-the source asks, no everyday speed lies where the linear law holds.
+the source asks, the linear law holds for creeping alone.
 """
 
 from __future__ import annotations

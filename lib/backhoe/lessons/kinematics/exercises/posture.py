@@ -199,7 +199,7 @@ DEPTH = Exercise(
         ),
     },
     hints=(
-        "Try many postures between machine.lower and machine.upper: 50 angles a joint will do.",
+        "Try many postures between machine.lower and machine.upper: thirty angles a joint will do.",
         "np.meshgrid gives q of shape (..., 4); forward_kinematics(q, machine=machine)[..., 2, 3].",
     ),
     compare=nearly_deep_enough,

@@ -114,15 +114,29 @@ def test_only_m44_of_the_printed_mass_matrix_is_right(q):
     assert right == {(4, 4)}
 
 
-def test_printed_mass_matrix_is_not_positive_definite_in_a_tenth_of_joint_space(q):
-    least = np.linalg.eigvalsh(printed.mass_matrix(q))[:, 0]
-    assert 0.07 < (least <= 0).mean() < 0.12
-    assert np.linalg.eigvalsh(dynamics.mass_matrix(q)).min() > 0
+def test_printed_mass_matrix_is_not_positive_definite_in_9_percent_of_joint_space(rng):
+    least = np.linalg.eigvalsh(printed.mass_matrix(rng.uniform(-np.pi, np.pi, (200_000, 4))))
+    assert 0.091 < (least[:, 0] <= 0).mean() < 0.095
 
 
 def test_printed_mass_matrix_fails_within_the_joint_limits_too(rng):
-    q = rng.uniform(BACKHOE.lower, BACKHOE.upper, (4000, 4))
-    assert np.linalg.eigvalsh(printed.mass_matrix(q))[:, 0].min() < 0
+    within = rng.uniform(BACKHOE.lower, BACKHOE.upper, (200_000, 4))
+    box = np.radians([[-180, -30, -60, -40], [180, 60, 60, 90]])
+    least = [
+        np.linalg.eigvalsh(printed.mass_matrix(q))[:, 0]
+        for q in (within, rng.uniform(*box, (200_000, 4)))
+    ]
+    assert 0.022 < (least[0] <= 0).mean() < 0.025
+    assert 0.023 < (least[1] <= 0).mean() < 0.027
+
+
+def test_printed_m11_is_between_a_fifth_and_five_times_the_exact_one(rng):
+    q = rng.uniform(-np.pi, np.pi, (50_000, 4))
+    ratio = printed.mass_matrix(q)[:, 0, 0] / dynamics.mass_matrix(q)[:, 0, 0]
+    np.testing.assert_allclose([ratio.min(), ratio.max()], [0.19, 5.4], rtol=0.1)
+    inside = rng.uniform(BACKHOE.lower, BACKHOE.upper, (50_000, 4))
+    ratio = printed.mass_matrix(inside)[:, 0, 0] / dynamics.mass_matrix(inside)[:, 0, 0]
+    np.testing.assert_allclose([ratio.min(), ratio.max()], [0.19, 3.15], rtol=0.1)
 
 
 def test_printed_m22_does_not_scale_like_an_inertia():
@@ -133,10 +147,9 @@ def test_printed_m22_does_not_scale_like_an_inertia():
     np.testing.assert_allclose(exact, dynamics.mass_matrix(START), rtol=1e-12)
 
 
-def test_printed_yaw_coupling_has_no_energy_behind_it(q):
-    coupling = printed.mass_matrix(q)[:, 0, 1:]
-    np.testing.assert_allclose(coupling[:, 1:], [[921.0 + 130.7, 130.7]] * len(q))
-    np.testing.assert_allclose(dynamics.mass_matrix(q)[:, 0, 1:], 0.0, atol=1e-9)
+def test_m13_and_m14_are_copied_as_printed(q):
+    coupling = printed.mass_matrix(q)[:, 0, 2:]
+    np.testing.assert_allclose(coupling, [[921.0 + 130.7, 130.7]] * len(q))
 
 
 def test_printed_m33_depends_on_the_boom(q):
@@ -156,14 +169,6 @@ def christoffel(q, mass_matrix):
     return (np.einsum("...ikj->...kij", dM) + np.einsum("...jki->...kij", dM) - dM) / 2
 
 
-def test_symmetric_forms_give_the_coriolis_vector(q, dq):
-    forms = christoffel(q[:50], dynamics.mass_matrix)
-    np.testing.assert_allclose(forms, np.swapaxes(forms, -1, -2), atol=1e-3)
-    vector = np.einsum("ni,nkij,nj->nk", dq[:50], forms, dq[:50])
-    C = dynamics.coriolis_matrix(q[:50], dq[:50])
-    np.testing.assert_allclose(vector, np.einsum("nij,nj->ni", C, dq[:50]), rtol=1e-5, atol=1e-2)
-
-
 @pytest.mark.parametrize("charitable", [False, True])
 def test_printed_coriolis_vector_is_off_by_its_own_size(q, dq, charitable):
     wrong = printed.coriolis_vector(q, dq, charitable=charitable)
@@ -173,16 +178,23 @@ def test_printed_coriolis_vector_is_off_by_its_own_size(q, dq, charitable):
 
 
 @pytest.mark.parametrize("charitable", [False, True])
-def test_printed_forms_are_not_those_of_the_printed_mass_matrix(q, charitable):
-    own = christoffel(q, lambda q: printed.mass_matrix(q, charitable=charitable))
+def test_printed_forms_made_symmetric_are_not_those_of_the_right_or_the_printed_mass_matrix(
+    q, charitable
+):
     forms = printed.coriolis_forms(q, charitable=charitable)
-    assert np.median(np.abs(forms - own).max(axis=(1, 2, 3))) > 1e3
+    forms = (forms + np.swapaxes(forms, -1, -2)) / 2
+    for mass_matrix in (
+        dynamics.mass_matrix,
+        lambda q: printed.mass_matrix(q, charitable=charitable),
+    ):
+        off = np.abs(forms - christoffel(q, mass_matrix)).max(axis=(2, 3))
+        assert (np.median(off, axis=0) > 100).all()
 
 
-def test_printed_forms_are_not_symmetric(q):
+def test_none_of_the_four_printed_forms_is_symmetric(q):
     forms = printed.coriolis_forms(q)
-    skew = np.abs(forms - np.swapaxes(forms, -1, -2)).max(axis=(1, 2, 3))
-    assert np.median(skew / np.abs(forms).max(axis=(1, 2, 3))) > 0.3
+    skew = np.abs(forms - np.swapaxes(forms, -1, -2)).max(axis=(2, 3))
+    assert (np.median(skew / np.abs(forms).max(axis=(2, 3)), axis=0) > 0.1).all()
 
 
 def test_first_row_of_the_printed_c1_lacks_a_length():
@@ -215,13 +227,6 @@ def test_half_mdot_is_not_a_coriolis_matrix(q, dq):
     np.testing.assert_allclose(
         np.einsum("ni,ni->n", dq, half), np.einsum("ni,ni->n", dq, right), rtol=1e-5, atol=1e-2
     )
-
-
-def test_a8_holds_with_the_other_inequality(q, dq):
-    forms = christoffel(q, dynamics.mass_matrix)
-    k = 16 * np.abs(forms).max()
-    left = np.linalg.norm(np.einsum("nij,nj->ni", dynamics.coriolis_matrix(q, dq), dq), axis=1)
-    assert (left <= k * np.linalg.norm(dq, axis=1) ** 2).all()
 
 
 # (2.21), (A.11)
@@ -283,13 +288,6 @@ def test_only_the_hanging_stick_fits_the_difference_of_the_printed_torques():
     assert fits == {(-88.1, -86.2)}
 
 
-def test_no_reading_gives_all_three_printed_figures():
-    wanted, half_a_digit = np.array(CASES["gravity_torque"]), np.array([1.0, 50.0, 50.0, 5.0])
-    for _, machine in readings():
-        miss = np.abs(dynamics.gravity_torque(START, machine=machine) - wanted)
-        assert (miss > half_a_digit).any()
-
-
 # The three cases of section 2.3.1
 
 
@@ -328,13 +326,6 @@ def test_case_1_falls_in_the_plane_of_the_arm_and_keeps_its_energy():
     np.testing.assert_allclose(np.degrees(solution.y[5:, -1]), [-35.39, 48.00, -49.28], atol=0.01)
     extra, kinetic = surplus("case_1", solution)
     assert abs(extra) < 1e-5 * kinetic
-
-
-def test_case_1_is_seen_in_the_plane_yz_of_the_base_frame():
-    from backhoe.arm import kinematics
-
-    x = kinematics.forward_kinematics(motion("case_1").y[:4].T)[:, 0, 3]
-    np.testing.assert_allclose(x, BACKHOE.base.offset, atol=1e-9)
 
 
 def test_case_2_throws_the_stick_out():

@@ -304,6 +304,16 @@ def test_friction_always_takes_energy(rng):
         assert (dq * dynamics.friction_torque(dq, smoothing=smoothing) > 0).all()
 
 
+def test_friction_and_tip_force_add(states):
+    q, dq, ddq = states
+    force = [1e4, -2e4, 3e4]
+    free, rubbed, pushed, both = (
+        dynamics.inverse_dynamics(q, dq, ddq, friction, tip)
+        for friction, tip in ((None, None), (True, None), (None, force), (True, force))
+    )
+    np.testing.assert_allclose(both - free, (rubbed - free) + (pushed - free), atol=1e-7)
+
+
 def test_friction_is_off_unless_passed_and_takes_the_machines_when_true(states):
     q, dq, ddq = states
     free = dynamics.inverse_dynamics(q, dq, ddq)

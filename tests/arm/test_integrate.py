@@ -75,6 +75,17 @@ def test_order_of_convergence_on_a_pendulum(name, order):
 
 
 @pytest.mark.parametrize(("name", "order"), ORDERS)
+def test_order_of_convergence_under_a_push_that_changes_with_time(name, order):
+    def pushed(t, q, dq):
+        return np.cos(3 * t) - q
+
+    f = integrate.motion(pushed)
+    exact = solve_ivp(f, (0, 2), [1.0, 0.5], method="DOP853", rtol=1e-13, atol=1e-13).y[:, -1]
+    found = errors(by_name(name)(pushed), np.array([1.0, 0.5]), 2.0, exact)
+    np.testing.assert_allclose(observed_order(found), order, atol=0.25)
+
+
+@pytest.mark.parametrize(("name", "order"), ORDERS)
 def test_order_of_convergence_on_the_falling_arm(name, order):
     f = integrate.motion(falling)
     exact = solve_ivp(f, (0, 0.5), CASE_1, method="DOP853", rtol=1e-13, atol=1e-13).y[:, -1]

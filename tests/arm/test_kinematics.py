@@ -71,6 +71,23 @@ def test_forward_kinematics_picks_the_link_transform_of_the_frame(postures, fram
     )
 
 
+def test_centres_of_mass_lie_at_their_radius_and_angle_from_the_joint(postures):
+    """In the arm's plane as complex numbers; a link's angle counts from the link before it."""
+    place = BACKHOE.swing.offset + 1j * (BACKHOE.base.height + BACKHOE.swing.height)
+    before = np.zeros(len(postures))
+    out = np.stack([-np.sin(postures[:, 0]), np.cos(postures[:, 0])], axis=-1)
+    for name, link, q in zip(
+        ("boom", "stick", "bucket"), BACKHOE.links, postures[:, 1:].T, strict=True
+    ):
+        centre = place + link.com_radius * np.exp(1j * (before + q + link.com_angle))
+        found = kinematics.forward_kinematics(postures, f"{name}_com")[:, :3, 3]
+        np.testing.assert_allclose(found[:, 2], centre.imag, atol=1e-12)
+        reach = found[:, :2] - [BACKHOE.base.offset, 0.0]
+        np.testing.assert_allclose(reach, centre.real[:, None] * out, atol=1e-12)
+        before = before + q + link.angle_offset
+        place = place + link.length * np.exp(1j * before)
+
+
 @pytest.mark.parametrize("frame", kinematics.FRAMES)
 def test_every_pose_is_a_rigid_transform(postures, frame):
     T = kinematics.forward_kinematics(postures, frame)
@@ -380,6 +397,14 @@ def test_adaptive_damping_is_zero_in_the_open_and_largest_at_the_singularity():
     q[:, 2] = -BACKHOE.stick.angle_offset - np.linspace(0, 0.5, 50)
     damping = kinematics.adaptive_damping(kinematics.task_jacobian(q))
     assert (np.diff(damping) <= 0).all()
+
+
+def test_adaptive_damping_falls_on_a_quarter_of_a_circle():
+    sigma = np.linspace(0.0, 0.2, 5)
+    J = np.eye(3) * np.ones((5, 1, 1))
+    J[:, 1, 1] = sigma
+    damping = kinematics.adaptive_damping(J, largest=0.1, threshold=0.2)
+    np.testing.assert_allclose((damping / 0.1) ** 2 + (sigma / 0.2) ** 2, 1.0)
 
 
 @pytest.mark.parametrize("damping", [None, 0.0, 0.05])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+from scipy.optimize import minimize
 
 from backhoe.arm import dynamics, lyapunov
 from backhoe.arm.integrate import rk4
@@ -301,6 +302,29 @@ def test_on_the_edge_of_the_ball_v_is_at_least_the_level(attraction, rng):
         V = lyapunov.function(State(np.zeros(4), error, dq, GOAL), gains, alpha)
         np.testing.assert_array_less(lowest, V)
     assert M.shape == (4000, 4, 4)
+
+
+@pytest.mark.parametrize("of, most", [("lesson", 1.4), ("equal gains", 8.0)])
+def test_the_least_v_on_the_edge_of_the_region_is_above_its_level(of, most, box, rng):
+    """It is searched over the edge. In the lesson's loop K_i/alpha counts for much; with equal
+    gains and alpha near its upper end the arm's inertia does."""
+    goal, alpha = np.radians([0.0, 20.0, -20.0, 60.0]), None
+    if of == "lesson":
+        spring = BACKHOE.torque_limit / np.array([0.05, 0.1, 0.1, 0.1])
+        tuned = lyapunov.tune("matrix", kp=spring, ki=0.4 * (spring - box.kg), error=0.5)
+        gains = tuned.gains
+    else:
+        gains = Gains(*(np.full(4, gain) for gain in (1.2 * box.kg, 1e4, 3.0 * box.lambda_max)))
+        alpha = 0.95 * lyapunov.check_gains(gains, constants=box, route="matrix").alpha_high
+    region = lyapunov.attraction(goal, gains, alpha=alpha)
+
+    def on_the_edge(direction):
+        error = region.radius * direction / np.linalg.norm(direction)
+        state = State(np.zeros(4), error, region.alpha * error, goal)  # where V is least
+        return lyapunov.function(state, gains, region.alpha) / region.level
+
+    least = min(minimize(on_the_edge, start).fun for start in rng.normal(size=(4, 4)))
+    assert 1 <= least < most
 
 
 def test_motions_from_the_region_stay_in_it_and_end_in_the_goal(attraction, rng):

@@ -27,6 +27,16 @@ def test_loading_lasts_35_s_and_rests_between_its_phases(loading):
             assert not loading.ddq[row].any()
 
 
+def test_loading_digs_ahead_and_empties_to_the_left(loading):
+    """Swing and bucket [deg], and the reach from the swing axis [m], at rest."""
+    for time, swing, bucket, reach in ((5.0, -90, 60, 6.0), (20.0, 0, 90, 5.7)):
+        q = loading.q[round(time / loading.dt)]
+        assert np.degrees(q[[0, 3]]) == pytest.approx([swing, bucket])
+        x, y, _ = kinematics.forward_kinematics(q, "stick")[:3, 3] - [BACKHOE.base.offset, 0, 0]
+        ahead = np.radians(swing + 90)
+        assert (x, y) == pytest.approx((reach * np.cos(ahead), reach * np.sin(ahead)))
+
+
 def test_loading_is_as_fast_as_the_movement_of_the_thesis(loading):
     """59.53 deg/s; ours is laid out to come within 0.1 deg/s of it."""
     assert np.degrees(loading.speed.max()) == pytest.approx(59.53, abs=0.1)
@@ -128,6 +138,16 @@ def test_bad_way_points_are_named(arguments, message):
 def test_a_target_out_of_reach_is_named():
     with pytest.raises(ValueError, match="outside the reach"):
         movement.from_targets([0, 5], [[5.0, 0.0, 3.0, 0.0], [15.0, 0.0, 3.0, 0.0]])
+
+
+def test_a_movement_just_above_the_speed_limit_is_refused():
+    """From rest to rest in T the fifth order's largest speed is 15/8 of the mean one."""
+    turn = 1.0
+    quickest = 15 / 8 * turn / BACKHOE.speed_limit[0]
+    q = np.array([[0.0, 0.2, 0.0, 0.0], [turn, 0.2, 0.0, 0.0]])
+    movement.from_postures([0.0, round(1.01 * quickest, 3)], q)
+    with pytest.raises(ValueError, match="swing"):
+        movement.from_postures([0.0, round(0.99 * quickest, 3)], q)
 
 
 def test_the_advice_on_speed_is_enough():

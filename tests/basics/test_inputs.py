@@ -238,3 +238,22 @@ def test_kinds_and_functions_are_told_by_type():
             inputs.function(value, "f", "f(x)")
     with pytest.raises(TypeError, match=r"got a class: make one, int\(\.\.\.\)$"):
         inputs.function(int, "f", "f(x)")
+
+
+def test_the_ends_of_a_range_belong_to_it_or_not():
+    for limits in ({"above": 1.0}, {"below": 1.0}):
+        with pytest.raises(ValueError, match="got 1"):
+            inputs.number(1.0, "x", **limits)
+    for limits in ({"least": 1.0}, {"most": 1.0}):
+        assert inputs.number(1.0, "x", **limits) == 1.0
+    with pytest.raises(ValueError, match="above 0, got 0"):
+        inputs.positive(0.0, "x")
+    assert inputs.not_negative(0.0, "x") == 0.0
+
+
+def test_a_covariance_that_is_slightly_indefinite_is_refused():
+    with pytest.raises(
+        ValueError, match=r"positive semidefinite, its lowest eigenvalue is -0\.001"
+    ):
+        inputs.covariance(np.diag([1.0, -1e-3]), "P", 2)
+    inputs.covariance(np.diag([1.0, -1e-12]), "P", 2)  # rounding

@@ -144,6 +144,11 @@ class TestRight:
     def test_accepts_a_value_within_its_tolerance(self, said):
         assert said("9.8", 1.3334) == "right"
 
+    def test_refuses_a_value_beyond_its_tolerance(self, said):
+        rtol = EXERCISES["9.8"].rtol
+        assert said("9.8", 4 / 3 * (1 + 0.9 * rtol)) == "right"
+        assert said("9.8", 4 / 3 * (1 + 1.1 * rtol)).startswith("not yet")
+
     def test_accepts_text_in_any_case(self, said):
         assert said("9.9", " Boom ") == "right"
 

@@ -453,6 +453,12 @@ def test_rmse_refuses_signals_that_do_not_match(change, message):
         fusion.rmse(*given.values(), period=period)
 
 
+def test_an_improvement_is_a_ratio_and_a_reduction():
+    found = fusion.improvement([0.8, 0.3], [0.2, 0.3])
+    np.testing.assert_allclose(found.ratio_percent, [400, 100])
+    np.testing.assert_allclose(found.reduction_percent, [75, 0])
+
+
 @pytest.mark.parametrize(
     "pair, message",
     [

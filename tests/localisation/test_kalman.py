@@ -131,6 +131,27 @@ def test_the_smoother_gives_every_state_of_least_squares():
     np.testing.assert_allclose(history.time, DT * np.arange(61))
 
 
+def test_the_smoother_of_a_wrapped_heading_is_least_squares_of_its_turns():
+    """The heading runs round and is brought back to -pi ... pi after each update."""
+    rng = np.random.default_rng(6)
+    turn, rate = np.array([[1.0, DT], [0.0, 1.0]]), np.array([[1.0, 0.0]])
+    Q, R, x0, P0 = np.diag([1e-4, 1e-3]), np.array([[0.02]]), [0.0, 2.0], np.diag([0.1, 0.5])
+    z = 2.0 * DT * np.arange(1, 81)[:, None] + np.sqrt(R[0, 0]) * rng.standard_normal((80, 1))
+    filter = kalman.KalmanFilter(turn, rate, Q, R, x0, P0, angles=(0,), measurement_angles=(0,))
+    history = kalman.History(filter)
+    for measured in z:
+        filter.predict(None, DT)
+        filter.update(wrap(measured))
+        filter.x = [wrap(filter.x[0]), filter.x[1]]
+        history.add()
+    smoothed = kalman.rts_smoother(history)
+    x, P = kalman.least_squares(turn, rate, Q, R, z, x0, P0)
+    assert np.ptp(x[:, 0]) > 2 * np.pi
+    np.testing.assert_allclose(wrap(smoothed.x[:, 0] - x[:, 0]), 0, atol=1e-9)
+    np.testing.assert_allclose(smoothed.x[:, 1], x[:, 1], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(smoothed.P, P, rtol=0, atol=1e-10)
+
+
 def test_filter_and_smoother_agree_with_filterpy():
     u, z = linear_data()
     theirs = filterpy.KalmanFilter(2, 1, 1)
@@ -175,6 +196,16 @@ def test_matrices_may_depend_on_the_step():
     varying.predict(None, 0.5)
     np.testing.assert_allclose(varying.F, F_of(0.5))
     assert varying.time == pytest.approx(0.6)
+
+
+def test_the_terms_of_the_transition_tend_to_the_exponential():
+    A = np.random.default_rng(5).normal(size=(3, 3))
+    exact = kalman.transition(A, 0.1, order=None)
+    np.testing.assert_allclose(kalman.transition(A, 0.1), np.eye(3) + 0.1 * A)
+    away = [np.abs(kalman.transition(A, 0.1, order=k) - exact).max() for k in (1, 2, 3, 10)]
+    assert away[3] < 1e-12 and all(np.diff(away) < 0)
+    halved = np.abs(kalman.transition(A, 0.05, 2) - kalman.transition(A, 0.05, None)).max()
+    assert away[1] / halved == pytest.approx(8, rel=0.1)
 
 
 def test_one_update_is_the_equations_of_the_source():

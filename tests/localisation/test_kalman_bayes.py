@@ -114,6 +114,36 @@ def test_particles_converge_to_the_kalman_filter_with_the_root_of_their_number()
     assert errors[-1] < 0.02 and spreads[-1] < 0.05
 
 
+def test_a_hundred_thousand_particles_have_the_posterior_of_a_normal_prior_to_one_per_cent():
+    """By the information that prior and measurement give; nothing is resampled."""
+    prior, R = np.array([[0.5, 0.2], [0.2, 0.3]]), np.array([[0.6]])
+    many = kalman.ParticleFilter(
+        lambda x, u, dt: x,
+        lambda x: x @ H.T,
+        Q,
+        R,
+        [0.1, -0.2],
+        prior,
+        particles=100_000,
+        rng=4,
+        threshold=0.0,
+    )
+    many.update([0.9])
+    posterior = np.linalg.inv(np.linalg.inv(prior) + H.T @ H / R)
+    mean = posterior @ (np.linalg.inv(prior) @ [0.1, -0.2] + H[0] * 0.9 / R[0, 0])
+    deviation = np.sqrt(np.diag(posterior))
+    np.testing.assert_allclose(many.P, posterior, rtol=0, atol=0.01 * np.diag(posterior).min())
+    np.testing.assert_allclose(many.x, mean, rtol=0, atol=0.01 * deviation.min())
+
+
+def test_two_measurements_weigh_the_particles_as_both_at_once():
+    one_by_one, together = swarm(500, threshold=0.0), swarm(500, threshold=0.0)
+    one_by_one.update([0.4])
+    one_by_one.update([-0.3])
+    together.update([0.4, -0.3], lambda x: x[..., [0, 0]], R=R[0, 0] * np.eye(2))
+    np.testing.assert_allclose(one_by_one.weights, together.weights, rtol=1e-9)
+
+
 def test_the_same_seed_gives_the_same_particles():
     one, two, other = swarm(50, 1), swarm(50, 1), swarm(50, np.random.default_rng(2))
     for filter in (one, two, other):

@@ -243,3 +243,11 @@ def test_everything_follows_a_variant():
         (dynamics.inverse_dynamics(q, rest, rest, machine=heavier)[1:3]).tolist()
         != (dynamics.inverse_dynamics(q, rest, rest)[1:3]).tolist()
     )
+
+
+def test_the_tracks_turn_like_two_long_bars_at_their_gauge():
+    """By summing over points of two bars."""
+    tracks = BACKHOE.tracks
+    x = ((np.arange(2000) + 0.5) / 2000 - 0.5) * tracks.length
+    squares = x**2 + (tracks.gauge / 2) ** 2
+    assert tracks.yaw_inertia == pytest.approx(tracks.mass * squares.mean(), rel=1e-6)

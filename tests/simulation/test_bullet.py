@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from backhoe import simulation
 from backhoe.arm import dynamics, kinematics
 from backhoe.machine import BACKHOE, JOINTS
+from backhoe.simulation import bullet
 from backhoe.simulation.camera import Camera
 from backhoe.simulation.soil import LOAM
 from backhoe.simulation.urdf import T_urdf_dh, urdf
@@ -261,3 +263,9 @@ def test_rays_of_the_wrong_shape_are_refused(world):
         world.cast_rays((0.0, 0.0), [(0.0, 0.0, 1.0)])
     with pytest.raises(ValueError, match="start must be finite"):
         world.cast_rays((0.0, 0.0, np.nan), [(0.0, 0.0, 1.0)])
+
+
+def test_a_quaternion_is_that_of_scipy():
+    for R in Rotation.random(50, rng=np.random.default_rng(3)):
+        found, wanted = bullet.quaternion(R.as_matrix()), R.as_quat()
+        np.testing.assert_allclose(found, np.copysign(1, found @ wanted) * wanted, atol=1e-12)

@@ -114,3 +114,12 @@ def test_the_map_of_the_machine_shows_floors_of_the_library_by_their_names():
     for floor, question in plots.STAGES.items():
         assert FLOORS[floor] == question and {question, floor.replace("_", " ")} <= words
     assert set(FLOORS) - set(plots.STAGES) == {"basics", "view", "mission", "lessons", "course"}
+
+
+def test_the_bucket_is_drawn_from_its_pin_to_its_teeth_with_the_shell_between():
+    """The outline is the shell's profile in the frame of the teeth, along the bucket."""
+    pin, teeth = drawing.plane_points(DIG)[-2:]
+    angle = np.arctan2(*(teeth - pin)[::-1])
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    outline = drawing._bucket(pin, teeth, BACKHOE)
+    np.testing.assert_allclose((outline - teeth) @ turn, BACKHOE.shell.profile, atol=1e-12)

@@ -319,6 +319,13 @@ def test_cylinders_point_from_their_mount_to_where_they_push():
             np.testing.assert_allclose(T[:, :, 3], start, atol=1e-12)
 
 
+def test_a_cylinder_that_passes_half_a_turn_does_not_jump():
+    q = np.zeros((200, 4))
+    q[:, 1:] = np.linspace(BACKHOE.lower[1:], BACKHOE.upper[1:], 200)
+    for node in stage.strut_nodes(q, BACKHOE):
+        assert np.abs(np.diff(node.values)).max() < 0.1
+
+
 def test_text_says_what_happens():
     assert repr(waving()) == "Replay: wave, 1.9 s at 20 frames/s. The arm waves."
     assert repr(waving(1)) == "Replay: wave, 0.0 s at 0 frames/s. The arm waves."

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _thread
+import signal
 import sys
 import threading
 import time
@@ -118,6 +119,14 @@ EXERCISES = {
 
 
 OURS = SimpleNamespace(find=EXERCISES.__getitem__, lesson=lambda number: EXERCISES)
+
+
+@pytest.fixture
+def ctrl_c():
+    """Interrupts raise KeyboardInterrupt, also where a shell started pytest in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture
@@ -580,7 +589,7 @@ class TestTime:
         thread.join()
         assert lines == ["not yet: no answer after 0.3 s; is there an endless loop?"]
 
-    def test_a_real_interrupt_is_not_swallowed_and_stops_the_answer(self):
+    def test_a_real_interrupt_is_not_swallowed_and_stops_the_answer(self, ctrl_c):
         started, ended = threading.Event(), threading.Event()
 
         def loops():

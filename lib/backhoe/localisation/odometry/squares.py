@@ -9,7 +9,8 @@ beta to the left. To first order the ends are off by
     anticlockwise  x = -y = -2 L (alpha - beta)
 
 so that one way round alone could not tell the two apart, and errors that cancel in it would double
-in the other. The mean radius stays unknown: it makes the square larger, and closed all the same.
+in the other. A scale common to radii and gauge stays unknown: it makes the square larger, and
+closed all the same.
 
 Reference: J. Borenstein and L. Feng, "Measurement and correction of systematic odometry errors in
 mobile robots", IEEE Transactions on Robotics and Automation 12 (1996) 869-880.

@@ -27,7 +27,7 @@ JACOBIAN = Exercise(
         "that matrix makes wheel speeds from the robot's: the Jacobian is its inverse": (
             lambda radius, distance: np.linalg.inv(jacobian(radius, distance))
         ),
-        "the transpose is not the inverse: the rows are no unit vectors": (
+        "the transpose is not the inverse: divide its rows by 3/2, 3/2 and 3 d^2": (
             lambda radius, distance: radius * np.linalg.inv(jacobian(1.0, distance)).T
         ),
         "transposed: a row of J belongs to v_x, v_y or omega, a column to a wheel": (

@@ -127,13 +127,13 @@ CERTIFICATE = Exercise(
         "the upper bound has K_d: K_p there is the slip of (3.23), and the units do not fit": (
             _with(1, lambda right, gains, *_: right * gains.kp.min() / gains.kd.min())
         ),
-        "that is the sharper bound of section 8; (3.17) also has lambda_min(M)/lambda_max(M)": (
+        "that is the sharper bound of section 7; (3.17) also has lambda_min(M)/lambda_max(M)": (
             _with(1, lambda right, gains, kg, kc1, least, most: right * most / least)
         ),
         "k_C1 is missing in the third number: kg m^2 over kg m^2 gives radians": (
             _with(2, lambda right, gains, kg, kc1, least, most: right * kc1)
         ),
-        "lambda_max(M) is missing in the third number: the thesis left it out, too": (
+        "lambda_max(M) is missing in the third number: the thesis had next to none of it, too": (
             _with(2, lambda right, gains, kg, kc1, least, most: right + most / kc1)
         ),
         "the bound is widest at the lowest alpha: put that one in": (

@@ -14,7 +14,7 @@ from backhoe.machine import BACKHOE, JOINTS
 
 REGION = 0.5  # error up to which V must fall [rad]
 USUAL_ERROR = 0.05  # error at which no drive may be full [rad]
-SURPRISE = 54e3  # what a tonne more in the bucket pulls at the boom [N m]
+SURPRISE = 54e3  # what a tonne more in the bucket, 5.5 m out, pulls at the boom [N m]
 SAG = np.radians(1.0)  # how far it may push the boom [rad]
 FORGET = 10.0  # time in which the integral takes a load over [s]
 ROUNDING = 1 + 1e-9
@@ -88,7 +88,7 @@ TUNED = Exercise(
         "those are the tour's gains: at 0.05 rad the swing's spring asks for twice its torque": (
             ARM_GAINS
         ),
-        "certified by the thesis's own route, but its integral needs hours to learn a load": (
+        "certified by the thesis's own route, but its integral needs up to hours to learn a load": (
             lambda: lyapunov.tune("scalar").gains
         ),
         "the order is kp, ki, kd: you gave the damping second": (

@@ -3,15 +3,24 @@
 pytest itself runs every notebook with nbval and compares what it prints (see pyproject.toml).
 """
 
+import gzip
 import itertools
 import re
 import subprocess
 import sys
+from base64 import b64decode, b64encode
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 
 import nbformat
+import numpy as np
 import pytest
+
+import notebook_outputs
+from backhoe.view.plots import style
+from backhoe.view.replay.recording import HEIGHT_STEP, HeightField, Recording
+from backhoe.view.replay.recording_file import encode
 
 ROOT = Path(__file__).resolve().parents[1]
 PATHS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -127,42 +136,130 @@ def test_notebook_opens_with_its_title(notebook):
 
 
 TRIAL = """
-from IPython.display import display
+import numpy as np
+from backhoe.view import plots, replay
+
+def waves(shift=0.0, colour=plots.COLOURS[0], height=3.0):
+    fig, ax = plots.figure(5.0, height)
+    ax.plot(np.linspace(0, 1, 50) + shift, np.sin(np.linspace(0, 6, 50)), color=colour)
+    return fig
+
+def bars(there=True):
+    fig, ax = plots.figure(5.0, 3.0)
+    ax.bar([1, 2, 3], [2, 1, 4]) if there else ax.axis("off")
+    return fig
+
+def digs(steps=0, frames=20, title="dig"):
+    q = np.outer(np.linspace(0, 1, 20), [0.1, 0.2, -0.3, 0.4])[:frames]
+    q[len(q) // 2, 2] += 1e-4 * steps
+    return replay.from_joints(np.arange(len(q)) / 20, q, title=title, alt="The arm digs.")
+
+"""
+CELL = """
 print("volume 2.34 m3")
-display({"text/html": '<iframe title="dig" srcdoc="123"></iframe>', "text/plain": "dig"}, raw=True)
-display({"image/png": "aGVsbG8=", "text/plain": "a curve"}, raw=True)
+plots.show(waves(), "a curve that waves")
+plots.show(bars(), "three bars beside it")
+digs()
 """
 
 
-def _stored(volume="2.34", title="dig", page="123", png="aGVsbG8=", alt="a curve"):
-    """TRIAL as a cell with these values in its stored outputs; the defaults are what it shows."""
-    html = f'<iframe title="{title}" srcdoc="{page}"></iframe>'
-    shown = [{"text/html": html, "text/plain": "dig"}, {"image/png": png, "text/plain": alt}]
-    cell = nbformat.v4.new_code_cell(TRIAL, execution_count=1)
+def _stored(draw, volume="2.34", alt="a curve that waves", pictures=None, page=str, **shown):
+    """CELL with its outputs as they are, but for what is said."""
+    first, second = style.bundle(draw["waves"](), alt), style.bundle(draw["bars"](), "three bars")
+    second[0]["text/plain"] = "three bars beside it"
+    data = [one for one, _ in (first, second)]
+    for one, png in zip(data, pictures or (), strict=False):
+        one["image/png"] = png
+    replay = draw["digs"](**shown)
+    html = {"text/html": page(replay._repr_html_()), "text/plain": repr(replay)}
+    data = [
+        {k: b64encode(v).decode() if isinstance(v, bytes) else v for k, v in one.items() if v}
+        for one in (*data, html)
+    ]
+    cell = nbformat.v4.new_code_cell(CELL, execution_count=1)
     cell.outputs = [
         nbformat.v4.new_output("stream", name="stdout", text=f"volume {volume} m3\n"),
-        *(nbformat.v4.new_output("display_data", data=data) for data in shown),
+        *(nbformat.v4.new_output("display_data", data=one) for one in data),
     ]
     return cell
 
 
-def test_nbval_notices_changed_text_and_passes_over_a_picture_and_a_recording(tmp_path):
+def _recording(replace):
+    """Function of a replay's HTML that puts other bytes in the place of its recording."""
+
+    def replaced(html):
+        found = re.search(r"(id=&quot;recording&quot;&gt;)([^&]*)", html)
+        other = b64encode(replace(b64decode(found[2]))).decode()
+        return html.replace(found[2], other)
+
+    return replaced
+
+
+def test_nbval_notices_changed_texts_pictures_and_recordings(tmp_path):
+    draw = {}
+    exec(TRIAL, draw)
+    wave, bar = style.png(draw["waves"]()), style.png(draw["bars"]())
+    same = BytesIO()
+    draw["waves"]().savefig(same, format="png", metadata={"Software": "another one"})
+
+    def told(**changes):
+        return _stored(draw, **changes)
+
+    def first(**changes):
+        return told(pictures=[style.png(draw["waves"](**changes))])
+
     cells = {
-        "as shown": (_stored(), "PASSED"),
-        "other number": (_stored(volume="2.35"), "FAILED"),
-        "other title": (_stored(title="dump"), "FAILED"),
-        "other text alternative": (_stored(alt="a line"), "FAILED"),
-        "other recording": (_stored(page="124"), "PASSED"),
-        "other picture": (_stored(png="d29ybGQ="), "PASSED"),
+        "the functions": (nbformat.v4.new_code_cell(TRIAL, execution_count=1), "PASSED"),
+        "as shown": (told(), "PASSED"),
+        "another number": (told(volume="2.35"), "FAILED"),
+        "another text alternative": (told(alt="a line"), "FAILED"),
+        "another file of the same picture": (told(pictures=[same.getvalue()]), "PASSED"),
+        "blank": (told(pictures=[wave, style.png(draw["bars"](there=False))]), "FAILED"),
+        "swapped": (told(pictures=[bar, wave]), "FAILED"),
+        "one removed": (told(pictures=[wave, None]), "FAILED"),
+        "broken": (told(pictures=[wave[:200]]), "FAILED"),
+        "moved by half a per cent": (first(shift=0.005), "FAILED"),
+        "another colour": (first(colour=style.COLOURS[1]), "FAILED"),
+        "another size": (first(height=3.1), "FAILED"),
+        "another title": (told(title="dump"), "FAILED"),
+        "one step": (told(steps=1), "PASSED"),
+        "three steps": (told(steps=3), "FAILED"),
+        "frames dropped": (told(frames=15), "FAILED"),
+        "another compression": (
+            told(page=_recording(lambda data: gzip.compress(gzip.decompress(data), 1))),
+            "PASSED",
+        ),
+        "broken recording": (told(page=_recording(lambda data: data[:50])), "FAILED"),
+        "another page": (told(page=lambda html: html.replace("WebGL 2", "WebGL 1")), "FAILED"),
+        "no replay": (told(page=lambda html: re.sub('srcdoc="[^"]*"', "", html)), "FAILED"),
     }
     path = tmp_path / "trial.ipynb"
     nbformat.write(nbformat.v4.new_notebook(cells=[cell for cell, _ in cells.values()]), path)
-    command = [sys.executable, "-m", "pytest", "-c", str(ROOT / "pyproject.toml"), "-n0", "-rA"]
+    command = [sys.executable, "-m", "pytest", "-c", str(ROOT / "pyproject.toml"), "-n2", "-rA"]
     command += ["--rootdir", str(tmp_path), "-p", "no:cacheprovider", str(path)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    results = {int(n): r for r, n in re.findall(r"^(PASSED|FAILED) .*Cell (\d)", done.stdout, re.M)}
+    results = {
+        int(n): r for r, n in re.findall(r"^(PASSED|FAILED) .*Cell (\d+)", done.stdout, re.M)
+    }
     found = {name: results.get(number) for number, name in enumerate(cells)}
     assert found == {name: expected for name, (_, expected) in cells.items()}, done.stdout
+    assert "output 1: the picture was 600 x 372 pixels, now 600 x 360" in done.stdout
+    assert "nodes 3 values: by 3 steps" in done.stdout
+
+
+def test_heights_of_soil_are_compared_in_their_steps():
+    def recording(steps, cell):
+        field = HeightField("ground", np.zeros((3, 4)), 0.1, (0.0, 0.0))
+        heights = np.zeros((3, 4))
+        heights[1, cell] = HEIGHT_STEP * steps
+        field.append(heights)
+        return encode(Recording(times=[0.0, 0.1], nodes=(), fields=(field,)))
+
+    assert not notebook_outputs.recording_difference(recording(5, 2), recording(6, 2))
+    assert "fields 0 heights" in notebook_outputs.recording_difference(
+        recording(5, 2), recording(7, 2)
+    )
+    assert notebook_outputs.recording_difference(recording(5, 2), recording(5, 1))
 
 
 def _named_in_prose(notebook):

@@ -27,6 +27,7 @@ SPOT = 0.02
 """Mean difference that a tile may have: one marker or one digit is no share, but fills a tile."""
 _TILE = 16  # pixels
 _PICTURE, _PAGE = "image/png", "text/html"
+_PAGES = re.compile(r'srcdoc="([^"]*)"')
 _UNREADABLE = OSError, EOFError, TypeError, ValueError, SyntaxError, zlib.error
 
 
@@ -51,6 +52,15 @@ def differences(stored: list, new: list) -> list[str]:
             if kind in one and (fault := compare(one[kind], other[kind])):
                 faults.append(f"output {number}: {fault}")
     return faults
+
+
+def keep(stored: list, new: list) -> None:
+    """Put stored pictures and replays in the place of new ones that do not differ from them."""
+    for one, other in zip(*map(_shown, (stored, new)), strict=False):
+        if _kinds(one) == _kinds(other) and not differences([one], [other]):
+            around = [_PAGES.sub("", data.get(_PAGE, "")) for data in (one, other)]
+            kinds = (_PICTURE, _PAGE) if around[0] == around[1] else (_PICTURE,)
+            other.update({kind: one[kind] for kind in kinds if kind in one})
 
 
 def picture_difference(stored: str, new: str) -> str:
@@ -181,7 +191,7 @@ def _tiles(change: np.ndarray) -> np.ndarray:
 
 
 def _pages(html: str) -> list[str]:
-    return [unescape(page) for page in re.findall(r'srcdoc="([^"]*)"', html)]
+    return [unescape(page) for page in _PAGES.findall(html)]
 
 
 def _parts(page: str) -> tuple[str, bytes | None, bytes | None]:

@@ -247,6 +247,23 @@ def test_nbval_notices_changed_texts_pictures_and_recordings(tmp_path):
     assert "nodes 3 values: by 3 steps" in done.stdout
 
 
+def test_refresh_keeps_what_looks_the_same_and_takes_what_does_not():
+    draw = {}
+    exec(TRIAL, draw)
+    again = _recording(lambda data: gzip.compress(gzip.decompress(data), 1))
+    for changes, kept in (
+        ({"page": again}, [True, True, True]),
+        ({"steps": 1}, [True, True, True]),
+        ({"title": "dump"}, [True, True, False]),
+        ({"pictures": [style.png(draw["waves"](shift=0.005))]}, [False, True, True]),
+    ):
+        stored, new = _stored(draw).outputs, _stored(draw, **changes).outputs
+        notebook_outputs.keep(stored, new)
+        kinds = ("image/png", "image/png", "text/html")
+        pairs = zip(stored[1:], new[1:], kinds, strict=True)
+        assert [one.data[kind] == other.data[kind] for one, other, kind in pairs] == kept, changes
+
+
 def test_heights_of_soil_are_compared_in_their_steps():
     def recording(steps, cell):
         field = HeightField("ground", np.zeros((3, 4)), 0.1, (0.0, 0.0))

@@ -8,7 +8,7 @@ import pytest
 from backhoe.arm import dynamics, kinematics, movement
 from backhoe.arm.movement import Movement
 from backhoe.machine import BACKHOE, variants
-from backhoe.simulation.soil.earthmoving import LOAM
+from backhoe.simulation.soil import SANDY_LOAM
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_loading_stays_within_range_speed_and_torque_with_a_full_bucket(loading)
     q, dq = loading.q, loading.dq
     assert (q > BACKHOE.lower).all() and (q < BACKHOE.upper).all()
     assert (np.abs(dq) < 0.8 * BACKHOE.speed_limit).all()
-    load = BACKHOE.shell.struck_capacity * LOAM.density
+    load = BACKHOE.shell.struck_capacity * SANDY_LOAM.density
     for mass in (0.0, load):
         needed = dynamics.inverse_dynamics(
             q, dq, loading.ddq, friction=True, machine=variants.loaded(mass)

@@ -12,7 +12,7 @@ from backhoe.arm import dynamics, kinematics
 from backhoe.machine import BACKHOE, JOINTS
 from backhoe.simulation import bullet
 from backhoe.simulation.camera import Camera
-from backhoe.simulation.soil import LOAM
+from backhoe.simulation.soil import SANDY_LOAM
 from backhoe.simulation.urdf import T_urdf_dh, urdf
 from backhoe.view import appearance
 
@@ -34,7 +34,7 @@ def world():
 
 def heap(terrain, x, y, volume):
     terrain.lay((x, y), (x, y), volume)
-    terrain.relax(LOAM.repose)
+    terrain.relax(SANDY_LOAM.repose)
 
 
 def bullet_poses(world):

@@ -17,6 +17,7 @@ from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation import engine, forces, standing
 from backhoe.simulation.clock import STEP
 from backhoe.simulation.scene import LOADING, Scene, untouched_ground
+from backhoe.simulation.soil import SANDY_LOAM, SoilParameters, soil_of
 from backhoe.whole_body.stability import EDGES
 
 BASES = ("tracks", "fixed")
@@ -60,14 +61,15 @@ class Loop:
         scene: what stands around it.
         seed: of the bumps on the heaps.
         q: joint angles at the start, shape (4,) [rad]; default `REST`.
-        soil: whether the ground can be dug; without it `ground` is None.
+        soil: True for a moist sandy loam, the name of another soil, or its `SoilParameters`; False
+            for ground that cannot be dug: `ground` is None.
         base: "tracks" for a machine on its tracks' friction, "fixed" for a base that cannot move.
         friction: whether the joints have the machine's viscous and Coulomb friction.
 
     Raises:
         TypeError: machine or scene is something else.
-        ValueError: q is not 4 finite angles, seed is not a whole number of 0 or more, or base is
-            neither of the two.
+        ValueError: q is not 4 finite angles, seed is not a whole number of 0 or more, no soil has
+            that name, or base is neither of the two.
     """
 
     backend = "none"
@@ -79,7 +81,7 @@ class Loop:
         scene: Scene = LOADING,
         seed: int = 0,
         q: ArrayLike | None = None,
-        soil: bool = True,
+        soil: bool | str | SoilParameters = True,
         base: str = "tracks",
         friction: bool = True,
     ) -> None:
@@ -89,7 +91,8 @@ class Loop:
         self._closed = False
         self._token = object()
         self._start = numbers(REST if q is None else q, "q", (4,), meaning=_JOINTS).copy()
-        self._soil_wanted = soil
+        wanted = SANDY_LOAM if soil is True else soil
+        self._soil = None if wanted is False else soil_of(wanted)
         self._numbers = forces.numbers_of(machine, friction)
         self._plain = tuple(self._numbers)
         self._memory = forces.memory_of(self._numbers)
@@ -221,9 +224,9 @@ class Loop:
         self._memory[:] = self._balance_memory[:] = 0.0
         self._balance.least[0] = np.inf
         self.ground = (
-            untouched_ground(self.scene, self.machine, self.seed, STEP)
-            if self._soil_wanted
-            else None
+            None
+            if self._soil is None
+            else untouched_ground(self.scene, self.machine, self.seed, STEP, self._soil)
         )
         self._load(0.0)
         self._state.q[:] = *pose, *q
@@ -326,14 +329,16 @@ class Loop:
         T_world_tip, velocity = engine.tip_motion(
             self._numbers.reach, self._state.q, self._state.dq
         )
+        _, _, _, _, *turning = self._state.dq.tolist()
+        pitch_rate = sum(turning)
         if visit:
             if not velocity @ velocity < RUNAWAY**2:
                 self._run_away()
-            force = ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt)
+            force = ground.advance(T_world_tip, velocity, TICKS_PER_DIG * self.dt, pitch_rate)
             self._load(ground.payload)
             self._in_soil = ground.touches
         else:
-            force = ground.force(T_world_tip[:3, 3], velocity)
+            force = ground.force(T_world_tip[:3, 3], velocity, pitch_rate)
         self._state.soil[:3] = force
         self._state.soil[3] = ground.moment
 

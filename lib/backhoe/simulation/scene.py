@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from backhoe.basics.inputs import number, numbers, positive, whole
 from backhoe.machine import Machine
-from backhoe.simulation.soil import Ground, Terrain
+from backhoe.simulation.soil import Ground, SoilParameters, Terrain
 
 ROUGHNESS = 0.03
 """Height of the bumps on a heap [m]; they come from the seed."""
@@ -97,7 +97,9 @@ class Scene:
         return ground
 
 
-def untouched_ground(scene: Scene, machine: Machine, seed: int, hold: float) -> Ground:
+def untouched_ground(
+    scene: Scene, machine: Machine, seed: int, hold: float, soil: SoilParameters
+) -> Ground:
     """The soil of a scene before anyone dug in it.
 
     Args:
@@ -105,6 +107,7 @@ def untouched_ground(scene: Scene, machine: Machine, seed: int, hold: float) -> 
         machine: whose bucket digs.
         seed: of the bumps on the heaps.
         hold: time over which the bucket feels one force of the soil [s].
+        soil: its strength and weight.
     """
     terrain = Terrain(scene.heights(seed), scene.cell, scene.corner)
     truck, bed = scene.truck, None
@@ -117,7 +120,7 @@ def untouched_ground(scene: Scene, machine: Machine, seed: int, hold: float) -> 
             truck.wall,
             scene.cell,
         )
-    return Ground(terrain, bed, machine=machine, hold=hold)
+    return Ground(terrain, bed, soil, machine, hold=hold)
 
 
 def _bumps(x: NDArray, y: NDArray, rng: np.random.Generator) -> NDArray:

@@ -3,13 +3,21 @@ from math import cos, pi, radians, sin
 import numpy as np
 import pytest
 
-from backhoe.machine import BACKHOE
-from backhoe.simulation.soil.ground import LOAM, Ground, SoilParameters, Terrain
+from backhoe.machine import BACKHOE, replace
+from backhoe.simulation.soil import SANDY_LOAM, SOILS, Ground, SoilParameters, Terrain
+from backhoe.simulation.soil.bucket_pose import BucketPose
+from backhoe.simulation.soil.earthmoving import bearing_capacity, failure_angle
+from backhoe.simulation.soil.force import SoilForce
+from backhoe.simulation.soil.terrain import Contact
+from wedge import least, trial
 
 DT = 0.01
 LEVEL = radians(-178)
 PITCH = radians(-75)
 HOLD = 0.001
+FLOOR = np.arctan2(0.22, -0.30)
+"""Direction of the bucket's floor in its tip frame, from the teeth [rad]."""
+FACE = radians(-80) + FLOOR
 BELLY = min(x * sin(LEVEL) + y * cos(LEVEL) for x, y in BACKHOE.shell.profile)
 
 
@@ -52,7 +60,7 @@ def flat():
 
 def stands(heights):
     """Whether nothing slides in a new terrain of these heights."""
-    return Terrain(heights, 0.08).relax(LOAM.repose) == 0
+    return Terrain(heights, 0.08).relax(SANDY_LOAM.repose) == 0
 
 
 STROKE = [
@@ -76,7 +84,7 @@ def test_soil_goes_from_the_heap_through_the_bucket_into_the_truck(ground):
     drive(ground, STROKE, 1.5)
     carried = ground.bucket_volume
     assert carried > 0.9 * ground.machine.shell.struck_capacity
-    assert ground.payload == pytest.approx(carried * LOAM.density)
+    assert ground.payload == pytest.approx(carried * SANDY_LOAM.density)
     assert ground.terrain.volume == pytest.approx(before - carried, rel=1e-12)
     drive(ground, DUMP, 2.0)
     drive(ground, DUMP[-1:] * 2, 1.5)
@@ -214,7 +222,7 @@ def test_soil_flows_out_no_faster_than_the_spill_rate():
         last[0] = ground.bucket_volume
 
     drive(ground, [(5.0, 3.0, radians(-30), 0.0)] * 2, 1.0, each)
-    assert max(flows) == pytest.approx(LOAM.spill_rate, rel=1e-9)
+    assert max(flows) == pytest.approx(SANDY_LOAM.spill_rate, rel=1e-9)
     assert min(flows) >= 0
 
 
@@ -349,6 +357,102 @@ def test_setting_down_and_lifting_gives_no_energy_back_beyond_the_spring():
     assert work[0] < 0
 
 
+@pytest.mark.parametrize("soil", SOILS.values(), ids=SOILS)
+@pytest.mark.parametrize("pitch_deg", [-60, -90, -120, -150])
+def test_no_motion_of_the_bucket_gets_power_from_the_soil(soil, pitch_deg):
+    """Moving, turning and sliding aside: force times velocity and moment times rate together."""
+    rng = np.random.default_rng(pitch_deg + 200)
+    ground = Ground(flat(), parameters=soil, hold=HOLD)
+    for x, v in ((6.6, -0.3), (6.5, -0.3), (6.4, 0.3)):
+        ground.advance(tip_pose(x, -0.3, radians(pitch_deg)), [v, 0, 0], DT)
+        ground._felt = ground._felt._replace(bearing=0.0, load=0.0)
+        for velocity, rate in zip(rng.normal(0, 0.6, (80, 3)), rng.normal(0, 1.0, 80), strict=True):
+            force = ground.force([x, 0.0, -0.3], velocity, rate)
+            assert force @ velocity + ground.moment * rate <= 1e-9
+
+
+def felt(soil=SANDY_LOAM, pitch_deg=-75, depth=0.3, volume=0.0, machine=BACKHOE):
+    """Resistance to a bucket drawn inwards, as `SoilForce` finds it."""
+    pose = BucketPose((6.0, 0.0, -depth), (1.0, 0.0), radians(pitch_deg))
+    look = SoilForce(soil, machine, HOLD).resistance
+    return look(pose, (-0.5, 0.0, 0.0), Contact(), depth, volume, 0.0, None)
+
+
+@pytest.mark.parametrize("pitch_deg", [-60, -75, -100, -120])
+def test_the_bucket_feels_the_discrete_wedge_ahead_of_its_floor(pitch_deg):
+    """Fast and level, so that nothing is softened: both parts of the force, teeth set apart."""
+    rake = radians(pitch_deg) + FLOOR
+    soil, blade = SANDY_LOAM, felt(pitch_deg=pitch_deg)._replace(teeth=0.0)
+    (ahead, up), _ = least(soil, 0.3, rake, 1.2, 0.0, 9.81)
+    edges = 2 * 0.025 * 0.3 / sin(rake) * bearing_capacity(0.15, soil, 9.81)
+    x, y, z, moment = blade.wrench(-0.3, (-500.0, 0.0, 0.0), 0.0)
+    size = np.hypot(ahead, up)
+    assert x == pytest.approx(ahead + edges * sin(rake), abs=0.02 * size)
+    assert z == pytest.approx(-up - edges * cos(rake), abs=0.02 * size)
+    assert y == 0
+    lever = -moment / blade.cutting
+    assert 0.3 / sin(rake) / 3 <= lever <= 0.3 / sin(rake) / 2 + 1e-12
+
+
+def test_a_load_in_the_bucket_presses_on_the_soil_ahead():
+    """Its weight over the mouth is the wedge's surcharge, on the Earth and on the Moon."""
+    mouth = np.hypot(1.34, 0.05)
+    for gravity in (9.81, 1.62):
+        machine = replace(BACKHOE, gravity=gravity)
+        rake, empty, full = (
+            radians(-75) + FLOOR,
+            felt(machine=machine),
+            felt(volume=0.6, machine=machine),
+        )
+        pressure = SANDY_LOAM.density * gravity * 0.6 / (1.2 * mouth)
+        beta = float(failure_angle(rake, SANDY_LOAM))
+        with_it, without = (
+            np.hypot(*trial(SANDY_LOAM, 0.3, rake, 1.2, q, gravity, beta)) for q in (pressure, 0.0)
+        )
+        extra = (full.cutting - empty.cutting) / cos(SANDY_LOAM.tool_friction)
+        assert extra == pytest.approx(with_it - without, rel=5e-3)
+
+
+def test_a_push_aside_meets_the_whole_side_of_the_bucket():
+    wall = np.hypot(1.34, 0.05), 0.0, 9.81
+    (aside, up), _ = least(SANDY_LOAM, 0.3, pi / 2, *wall)
+    blade = felt()._replace(teeth=0.0, cutting=0.0, bearing=0.0)._replace(cutting=1e-9)
+    for side in (1.0, -1.0):
+        _, y, z, _ = blade.wrench(-0.3, (0.0, 500.0 * side, 0.0), 0.0)
+        assert y == pytest.approx(-side * aside, rel=0.01)
+        assert z == pytest.approx(-up, rel=0.02) and z > 0
+
+
+def test_the_teeth_bear_along_the_floor_and_only_forwards():
+    blade = felt()._replace(cutting=1e-9, rubbing=0.0, sideways=0.0)
+    ahead = -np.array([cos(radians(-75) + FLOOR), sin(radians(-75) + FLOOR)])
+    x, _, z, _ = blade.wrench(-0.3, (500 * ahead[0], 0.0, 500 * ahead[1]), 0.0)
+    area = 5 * 0.09 * 0.04 + (1.2 - 5 * 0.09) * 0.025
+    assert [x, z] == pytest.approx(
+        -ahead * area * bearing_capacity(0.3, SANDY_LOAM, 9.81), rel=1e-3
+    )
+    assert blade.wrench(-0.3, (-5 * ahead[0], 0.0, -5 * ahead[1]), 0.0)[0] == pytest.approx(
+        0, abs=1
+    )
+
+
+def test_a_bucket_that_curls_back_from_the_soil_is_let_go():
+    """The face's own speed counts, not that of the teeth alone."""
+    blade = felt()._replace(teeth=0.0)
+    still, away, into = (blade.wrench(-0.3, (-0.1, 0, 0), rate)[0] for rate in (0.0, -2.0, 2.0))
+    assert away == 0 < still < into
+
+
+def test_on_a_falling_surface_the_depth_ahead_counts_half():
+    falling = Terrain.flat((2.0, 9.0), (-2.0, 2.0), 0.08).with_heap(8.0, 0.0, 1.0, 4.0)
+    digger = Ground(falling, hold=HOLD)._digger
+    here = BucketPose((6.5, 0.0, 0.1), (1.0, 0.0), PITCH)
+    at_teeth = digger.depth(here, -1.5)
+    fall = 1.0 / 4.0
+    assert at_teeth > 0.4
+    assert digger.depth_ahead(here, -1.0) == pytest.approx(at_teeth * (1 - fall / 2), rel=0.03)
+
+
 @pytest.mark.parametrize("hold", [0.001, 0.01])
 @pytest.mark.parametrize("along", ["x", "z"])
 def test_a_light_bucket_comes_to_rest_without_chatter(hold, along):
@@ -362,10 +466,15 @@ def test_a_light_bucket_comes_to_rest_without_chatter(hold, along):
     velocity = np.array([-1.0, 0, 0]) if along == "x" else np.array([0, 0, -1.0])
     speeds = []
     for _ in range(300):
-        velocity = velocity + ground.force(position, velocity) / mass * hold
+        force = ground.force(position, velocity, 0.0)
+        velocity = velocity + force / mass * hold
         speeds.append(np.linalg.norm(velocity))
     assert (np.diff(speeds) <= 1e-12).all()
-    assert speeds[-1] < 0.01
+    assert np.linalg.norm(force) / mass * hold < 1e-3
+    if along == "x":
+        assert speeds[-1] < 0.01
+    else:  # what is left draws the face back, along itself
+        assert velocity @ [-sin(FACE), 0.0, cos(FACE)] < 0.01 < speeds[-1] < 0.5
 
 
 def test_the_force_turns_with_the_machine():

@@ -59,6 +59,18 @@ class Digger:
         """Mean height of the soil above the teeth, some cells along the heading [m]."""
         return self.terrain.depth_at(now, cells * self.terrain.cell, self.half)
 
+    def depth_ahead(self, now: BucketPose, side: float) -> float:
+        """Depth of the teeth that counts for the soil ahead, on one side along the heading [m].
+
+        Where the surface slopes a wedge breaks out elsewhere than on level ground: the mean of the
+        depth at the teeth and of that one depth further ahead comes near it.
+        """
+        at_teeth = self.depth(now, 1.5 * side)
+        if at_teeth == 0.0:
+            return 0.0
+        u = side * (1.5 * self.terrain.cell + at_teeth)
+        return (at_teeth + self.terrain.depth_at(now, u, self.half)) / 2
+
     def lower_lip(self, now: BucketPose) -> tuple[float, float]:
         """u and height over the tip of the lip over which soil falls out [m]."""
         (x, y), c, s = self.lip, cos(now.pitch), sin(now.pitch)

@@ -1,119 +1,131 @@
-"""What soil does to a tool: strength, the cutting force and the bearing capacity.
+"""The force of soil on a blade that cuts it, and the bearing capacity.
 
 A blade pushed through soil shears a wedge loose ahead of it. Reece (1964) writes the force per
-tool as F = (rho g d^2 N_gamma + c d N_c + q d N_q + c_a d N_a) w, the fundamental equation of
+tool as P = (rho g d^2 N_gamma + c d N_c + q d N_q + c_a d N_a) w, the fundamental equation of
 earth-moving; the N factors follow from the equilibrium of a plane wedge (Coulomb's trial wedge;
 McKyes, Soil Cutting and Tillage, 1985; derived step by step by Wagner, arXiv:2505.19330).
-Angles in radians: rake alpha and failure angle beta are measured from the ground's surface.
+
+P is a slanting force: it acts on the blade's face at the angle delta from its normal. With the
+adhesion c_a along the face, a blade of rake alpha pushes the soil
+    forwards with  P sin(alpha + delta) + c_a d w cot alpha,
+    upwards with   P cos(alpha + delta) - c_a d w,
+and the soil pushes back with the same: a flat blade is pulled into the ground, one steeper than
+pi/2 - delta is lifted out of it. The wedge's two ends shear off beside the blade, which adds
+    d^2 N_e (c + (1 - sin phi) tan phi (rho g d / 3 + q)),
+    N_e = (cot alpha + cot beta) N_c sin beta,
+to P: cohesion and the friction of earth pressure at rest on two triangles. Crescents that break
+out further to the sides are left out.
+
+Angles in radians: the rake alpha and the failure angle beta stand at the edge, alpha between the
+face and the horizontal behind it, beta between the failure plane and the horizontal ahead.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from functools import cached_property
-from math import exp, hypot, pi, radians, tan
+from functools import lru_cache
+from math import cos, exp, hypot, pi, radians, sin, tan
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import not_negative, number, positive, real_numbers
+from backhoe.basics.inputs import real_numbers
+from backhoe.simulation.soil.soils import SoilParameters
 
 SHALLOWEST_RAKE = radians(15)
 STEEPEST_RAKE = radians(100)
+USUAL_DEPTH = 0.3
+"""Of a cut, for which the failure planes are found [m]."""
 _RAKES = np.linspace(SHALLOWEST_RAKE, STEEPEST_RAKE, 86)
 _RAKE_STEP = float(_RAKES[1] - _RAKES[0])
 
 
-SOURCES = {
-    "density": ("kg/m^3", "typical of a moist sandy loam in a spoil heap"),
-    "cohesion": ("Pa", "typical of a moist sandy loam (2 to 10 kPa)"),
-    "friction": ("rad", "typical of a sandy loam (29 to 35 degrees)"),
-    "tool_friction": ("rad", "two thirds of the internal friction, usual for soil on steel"),
-    "adhesion": ("Pa", "ours: a tenth of the cohesion"),
-    "repose": ("rad", "typical of loose earth, slightly above the internal friction"),
-    "subgrade": ("Pa/m", "low end for a loose sand; it sets how far a resting bucket sinks"),
-    "spill_rate": ("m^3/s", "ours: a full bucket empties in about a second"),
-}
-
-
-@dataclass(frozen=True)
-class SoilParameters:
-    """Strength and weight of the soil; `SOURCES` says where each default comes from.
-
-    Dug and undisturbed soil share one density, so volume is kept when soil moves (no swell).
+class Cut(NamedTuple):
+    """What a blade does to the soil that it brings to failure; the soil pushes back with the same.
 
     Attributes:
-        density: bulk density [kg/m^3].
-        cohesion: cohesion c [Pa].
-        friction: angle of internal friction phi [rad].
-        tool_friction: angle of soil-steel friction delta [rad].
-        adhesion: soil-steel adhesion c_a [Pa].
-        repose: angle of repose, the steepest slope that stands [rad].
-        subgrade: modulus of subgrade reaction, pressure per sinkage [Pa/m].
-        spill_rate: fastest outflow over the bucket's lip [m^3/s].
-
-    Raises:
-        ValueError: a value is not a finite positive number (cohesion and adhesion may be zero), an
-            angle is 45 degrees or more, or delta exceeds phi.
+        normal: force into the soil, along the face's normal [N].
+        rub: force on the soil down along the face: friction and adhesion [N].
+        centre: from the edge up the face to where `normal` acts [m].
+        rise: how fast the soil climbs a face without motion along itself, over its speed along its
+            normal [1].
+        rake: of the face [rad].
     """
 
-    density: float = 1600.0
-    cohesion: float = 6000.0
-    friction: float = radians(33)
-    tool_friction: float = radians(22)
-    adhesion: float = 500.0
-    repose: float = radians(34)
-    subgrade: float = 8e6
-    spill_rate: float = 0.8
+    normal: float
+    rub: float
+    centre: float
+    rise: float
+    rake: float
 
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            name, value = f"soil {field.name}", getattr(self, field.name)
-            check = not_negative if field.name in ("cohesion", "adhesion") else positive
-            check(value, name, SOURCES[field.name][0])
-        for name in ("friction", "tool_friction", "repose"):
-            number(getattr(self, name), f"soil {name}", "rad", below=pi / 4)
-        if self.tool_friction > self.friction:
-            raise ValueError(
-                "soil tool_friction must not exceed friction: the soil would shear in "
-                f"itself first, got {self.tool_friction!r} and {self.friction!r} rad"
-            )
+    @property
+    def forward(self) -> float:
+        """Horizontal force on the soil [N]."""
+        return self.normal * sin(self.rake) + self.rub * cos(self.rake)
 
-    @cached_property
-    def factor_table(self) -> NDArray:
-        """N_gamma, N_c, N_q, N_a at each rake of the table, shape (rakes, 4)."""
-        return cutting_factors(_RAKES, self)
-
-    def cutting_force(
-        self, depth: float, rake: float, width: float, surcharge: float, gravity: float
-    ) -> float:
-        """Reece's force on a blade [N]; zero where the blade is out of the ground.
-
-        Args:
-            depth: from the soil's surface down to the edge [m].
-            rake: angle of the blade's face from the horizontal ahead [rad]; taken at the nearest
-                end of the table outside 15 to 100 degrees (ahead of a steeper blade soil builds a
-                wedge of its own).
-            width: of the blade [m].
-            surcharge: pressure on the surface ahead of the blade [Pa].
-            gravity: [m/s^2].
-        """
-        if depth <= 0:
-            return 0.0
-        at = min(max((rake - SHALLOWEST_RAKE) / _RAKE_STEP, 0.0), len(_RAKES) - 1.000001)
-        row, part = int(at), at - int(at)
-        below, above = self._factor_rows[row], self._factor_rows[row + 1]
-        n_gamma, n_c, n_q, n_a = (a + part * (b - a) for a, b in zip(below, above, strict=True))
-        weight = self.density * gravity * depth**2 * n_gamma
-        strength = self.cohesion * n_c + surcharge * n_q + self.adhesion * n_a
-        return max(weight + strength * depth, 0.0) * width
-
-    @cached_property
-    def _factor_rows(self) -> list[list[float]]:
-        return self.factor_table.tolist()
+    @property
+    def upward(self) -> float:
+        """Vertical force on the soil [N]."""
+        return self.normal * cos(self.rake) - self.rub * sin(self.rake)
 
 
-LOAM = SoilParameters()
+NO_CUT = Cut(0.0, 0.0, 0.0, 0.0, pi / 2)
+
+
+def cut(
+    soil: SoilParameters,
+    depth: float,
+    rake: float,
+    width: float,
+    surcharge: float,
+    gravity: float,
+) -> Cut:
+    """The force with which a blade brings soil to failure; nothing where it is out of the ground.
+
+    Its place is that of a pressure which grows with depth for the soil's own weight (a third of the
+    face up from the edge) and is even for the rest (half way up).
+
+    Args:
+        soil: that is cut.
+        depth: from the soil's surface down to the edge [m].
+        rake: alpha [rad]; taken at the nearest end of the table outside 15 to 100 degrees (ahead
+            of a steeper blade soil builds a wedge of its own).
+        width: of the blade [m].
+        surcharge: pressure on the surface ahead of the blade [Pa].
+        gravity: [m/s^2].
+    """
+    if depth <= 0:
+        return NO_CUT
+    rake = min(max(rake, SHALLOWEST_RAKE), STEEPEST_RAKE)
+    at = min((rake - SHALLOWEST_RAKE) / _RAKE_STEP, len(_RAKES) - 1.000001)
+    row, part = int(at), at - int(at)
+    below, above = _factor_rows(soil)[row : row + 2]
+    n_gamma, n_c, n_q, n_a, n_e, rise = (
+        a + part * (b - a) for a, b in zip(below, above, strict=True)
+    )
+    face, heavy = depth / sin(rake), soil.density * gravity * depth
+    weight = heavy * depth * width * n_gamma
+    even = (soil.cohesion * n_c + surcharge * n_q + soil.adhesion * n_a) * depth * width
+    at_rest = (1 - sin(soil.friction)) * tan(soil.friction) * (heavy / 3 + surcharge)
+    even += depth**2 * n_e * (soil.cohesion + at_rest)
+    force = max(weight + even, 0.0)
+    centre = face * (weight / 3 + even / 2) / force if force > 0.0 else 0.0
+    return Cut(
+        force * cos(soil.tool_friction),
+        force * sin(soil.tool_friction) + soil.adhesion * face * width,
+        min(max(centre, face / 3), face / 2),
+        rise,
+        rake,
+    )
+
+
+@lru_cache(maxsize=16)
+def _factor_rows(soil: SoilParameters) -> list[list[float]]:
+    """N_gamma, N_c, N_q, N_a, N_e and the soil's rise at each rake of the table."""
+    beta = failure_angle(_RAKES, soil)
+    N = wedge(_RAKES, beta, soil)
+    ends = (1 / np.tan(_RAKES) + 1 / np.tan(beta)) * N[:, 1] * np.sin(beta)
+    return np.column_stack([N, ends, -1 / np.tan(_RAKES + beta)]).tolist()
 
 
 def wedge(alpha: ArrayLike, beta: ArrayLike, soil: SoilParameters) -> NDArray:
@@ -144,13 +156,15 @@ def wedge(alpha: ArrayLike, beta: ArrayLike, soil: SoilParameters) -> NDArray:
 
 
 def failure_angle(alpha: ArrayLike, soil: SoilParameters) -> NDArray:
-    """Angle beta of the plane on which the soil gives way first: the least N_gamma [rad].
+    """Angle beta of the plane on which the soil gives way first [rad].
 
-    Golden-section search between beta = 0 and the beta at which the wedge would lock.
+    That of the least rho g d N_gamma + c N_c + c_a N_a at a depth of 0.3 m on Earth, by golden
+    section between beta = 0 and the beta at which the wedge would lock. At other depths, under a
+    surcharge, and with the ends, the least force is smaller than on this plane: see the tests.
 
     Args:
         alpha: rake angle, shape (...) [rad].
-        soil: gives phi and delta.
+        soil: its strength and weight.
 
     Returns:
         beta, shape (...) [rad].
@@ -159,32 +173,12 @@ def failure_angle(alpha: ArrayLike, soil: SoilParameters) -> NDArray:
     low = np.full_like(alpha, 1e-3)
     high = pi - alpha - soil.tool_friction - soil.friction - 1e-3
     golden = (5**0.5 - 1) / 2
+    pulls = np.array([soil.density * 9.81 * USUAL_DEPTH, soil.cohesion, 0.0, soil.adhesion])
     for _ in range(80):
         left, right = high - golden * (high - low), low + golden * (high - low)
-        keep_left = wedge(alpha, left, soil)[..., 0] < wedge(alpha, right, soil)[..., 0]
+        keep_left = wedge(alpha, left, soil) @ pulls < wedge(alpha, right, soil) @ pulls
         low, high = np.where(keep_left, low, left), np.where(keep_left, right, high)
     return (low + high) / 2
-
-
-def cutting_factors(alpha: ArrayLike, soil: SoilParameters) -> NDArray:
-    """N_gamma, N_c, N_q, N_a of the wedge that fails first.
-
-    Args:
-        alpha: rake angle between the blade's face and the horizontal ahead, shape (...) [rad].
-        soil: gives phi and delta.
-
-    Returns:
-        Factors, shape (..., 4) [1].
-
-    Raises:
-        ValueError: a rake outside 15 to 100 degrees, or not finite.
-    """
-    alpha = real_numbers(alpha, "alpha")
-    inside = (alpha >= SHALLOWEST_RAKE - 1e-12) & (alpha <= STEEPEST_RAKE + 1e-12)
-    if not inside.all():
-        wrong = np.degrees(alpha[~inside]).flat[0]
-        raise ValueError(f"rake must lie in 15 to 100 degrees, got {wrong:.1f} degrees")
-    return wedge(alpha, failure_angle(alpha, soil), soil)
 
 
 def bearing_capacity(depth: float, soil: SoilParameters, gravity: float) -> float:

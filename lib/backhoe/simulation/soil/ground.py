@@ -6,8 +6,9 @@
 
 World frame: x forward, y left, z up. T_tip is the pose of the bucket's tip frame: origin at the
 teeth, x from the pin through the teeth, y towards the back plate, z across. What is where:
-`terrain` (the map), `digging` (the shell in the soil), `bucket_fill` (what it holds), `earthmoving`
-(strength of soil), `force` (on the bucket), `bucket_pose`, `cells` (the loops).
+`terrain` (the map), `digging` (the shell in the soil), `bucket_fill` (what it holds), `soils`
+(their numbers), `earthmoving` (a blade in soil), `force` (on the bucket), `bucket_pose`, `cells`
+(the loops).
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation.soil.bucket_fill import BucketFill
 from backhoe.simulation.soil.bucket_pose import BucketPose, distance, from_transform
 from backhoe.simulation.soil.digging import Digger
-from backhoe.simulation.soil.earthmoving import LOAM, SoilParameters
 from backhoe.simulation.soil.force import Resistance, SoilForce
+from backhoe.simulation.soil.soils import SANDY_LOAM, SoilParameters
 from backhoe.simulation.soil.terrain import Contact, Terrain
 
 SWEEPS = 4
@@ -54,7 +55,7 @@ class Ground:
         moment: that goes with the last force, about the tip, raising the pitch [N m].
 
     Raises:
-        TypeError: terrain or bed is no Terrain.
+        TypeError: terrain or bed is no Terrain, parameters no SoilParameters.
         ValueError: hold is not positive.
     """
 
@@ -62,7 +63,7 @@ class Ground:
         self,
         terrain: Terrain,
         bed: Terrain | None = None,
-        parameters: SoilParameters = LOAM,
+        parameters: SoilParameters = SANDY_LOAM,
         machine: Machine = BACKHOE,
         *,
         hold: float = 0.01,
@@ -70,7 +71,8 @@ class Ground:
         self.terrain = instance(terrain, "terrain", Terrain)
         self.bed = None if bed is None else instance(bed, "bed", Terrain)
         hold = positive(hold, "hold", "s")
-        self.parameters, self.machine = parameters, machine
+        self.parameters = instance(parameters, "parameters", SoilParameters)
+        self.machine = machine
         self.fill = BucketFill(machine.shell, parameters.repose)
         self.bucket_volume = self.off_map_volume = self.moment = 0.0
         self._strength = SoilForce(parameters, machine, hold)
@@ -103,13 +105,20 @@ class Ground:
         felt = self._felt
         return felt is not None and (felt.cutting > 0.0 or felt.bearing > 0.0)
 
-    def advance(self, T_tip: ArrayLike, tip_velocity: ArrayLike, dt: float) -> NDArray:
+    def advance(
+        self,
+        T_tip: ArrayLike,
+        tip_velocity: ArrayLike,
+        dt: float,
+        pitch_rate: float | None = None,
+    ) -> NDArray:
         """Move the soil on by one tick: cut, fill, spill, slide.
 
         Args:
             T_tip: pose of the bucket's tip frame in the world, shape (4, 4).
             tip_velocity: velocity of the tip in the world, shape (3,) [m/s].
             dt: time since the last call [s].
+            pitch_rate: of the bucket [rad/s]; default the change of its pitch since the last call.
 
         Returns:
             Force of the soil on the bucket at its tip, world frame, shape (3,) [N].
@@ -135,12 +144,18 @@ class Ground:
         self.off_map_volume += missed
         self._spill(now, dt)
         self._settle()
-        pitch_rate = wrap(now.pitch - before.pitch) / dt
+        if pitch_rate is None:
+            pitch_rate = wrap(now.pitch - before.pitch) / dt
         self._felt = self._feel(now, velocity, contact, pitch_rate)
         self._before = now
-        return self._answer(now.tip[2], velocity)
+        return self._answer(now.tip[2], velocity, pitch_rate)
 
-    def force(self, tip_position: ArrayLike, tip_velocity: ArrayLike) -> NDArray:
+    def force(
+        self,
+        tip_position: ArrayLike,
+        tip_velocity: ArrayLike,
+        pitch_rate: float | None = None,
+    ) -> NDArray:
         """The force for the tip's position and speed now, in the soil of the last advance.
 
         Cheap, so that a simulation can ask each millisecond; no soil moves.
@@ -148,6 +163,7 @@ class Ground:
         Args:
             tip_position: in the world, shape (3,) [m].
             tip_velocity: in the world, shape (3,) [m/s].
+            pitch_rate: of the bucket [rad/s]; default that of the last advance.
 
         Returns:
             Force at the tip, world frame, shape (3,) [N].
@@ -156,7 +172,10 @@ class Ground:
             ValueError: a wrong shape or a value that is not finite.
         """
         position = _vector(tip_position, "tip_position")
-        return self._answer(position[2], _vector(tip_velocity, "tip_velocity"))
+        velocity = _vector(tip_velocity, "tip_velocity")
+        if pitch_rate is None:
+            pitch_rate = 0.0 if self._felt is None else self._felt.pitch_rate
+        return self._answer(position[2], velocity, pitch_rate)
 
     def forget_pose(self) -> None:
         """Start a new path: the machine was put elsewhere without digging its way there."""
@@ -185,10 +204,10 @@ class Ground:
         self.bucket_volume, self.off_map_volume = snapshot["volumes"]
         self._before, self._felt, self.moment = snapshot["bucket"]
 
-    def _answer(self, z: float, velocity: tuple[float, float, float]) -> NDArray:
+    def _answer(self, z: float, velocity: tuple[float, float, float], pitch_rate: float) -> NDArray:
         if self._felt is None:
             return np.zeros(3)
-        x, y, z, self.moment = self._felt.wrench(z, velocity)
+        x, y, z, self.moment = self._felt.wrench(z, velocity, pitch_rate)
         return np.array((x, y, z))
 
     def _spill(self, now: BucketPose, dt: float) -> None:
@@ -233,7 +252,7 @@ class Ground:
     ) -> Resistance | None:
         if now.tip[2] > self.terrain.top and contact.area == 0.0:
             return None
-        depth = self._digger.depth(now, 1.5 * self._strength.ahead(now, velocity))
+        depth = self._digger.depth_ahead(now, self._strength.ahead(now, velocity))
         volume, before = self.bucket_volume, self._felt
         return self._strength.resistance(now, velocity, contact, depth, volume, pitch_rate, before)
 

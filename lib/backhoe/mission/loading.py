@@ -17,6 +17,7 @@ from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.mission.calls import call_part, given_parts, reset
 from backhoe.mission.parts import PARTS, WayPoint, hand_made_plan, smooth_trajectory
 from backhoe.mission.records import Record, recorder_of
+from backhoe.simulation.soil import SoilParameters, soil_of
 from backhoe.simulation.standing import lesser
 
 LOG_EVERY = 10
@@ -33,11 +34,12 @@ class Run(Record):
     `margin` (n,) of the balance [m], and `least` of all its steps;
     `reached` (k, 4) against `wanted` (k, 4), stick's tip [m] and bucket
     angle [rad] at each way-point; `soil_lost` is the largest change of the sum of all soil [m^3];
-    `scene` is that of its world.
+    `scene` and `soil` are those of its world.
     """
 
     cycles: int
     scene: simulation.Scene
+    soil: SoilParameters
     waypoints: tuple[WayPoint, ...]
     time: NDArray
     q: NDArray
@@ -107,6 +109,7 @@ def run(
     world: simulation.World | None = None,
     machine: Machine = BACKHOE,
     backend: str = "auto",
+    soil: str | SoilParameters | None = None,
     record: bool = False,
     **unknown: object,
 ) -> Run:
@@ -119,14 +122,16 @@ def run(
         world: a simulation to run in; without it one is opened and closed here.
         machine: the machine, if no world is given.
         backend: as in `simulation.open_world`, if no world is given.
+        soil: likewise; in one too hard for the plan the bucket holds fast, and the machine tips.
         record: keep what the 3D replay needs.
 
     Returns:
         The run, with its log.
 
     Raises:
-        ValueError: no cycles, a world without soil, a part that returns the wrong shape or values
-            that are not finite, a way-point that a joint cannot reach in its time.
+        ValueError: no cycles, a world without soil or one beside `soil`, an unknown soil, a part that
+            returns the wrong shape or values that are not finite, a way-point that a joint cannot
+            reach in its time.
         TypeError: a part of an unknown name, or one that cannot be called.
         Tipped: the machine tips over (a RuntimeError); its `run` is the run until then, with NaN
             where it did not get.
@@ -142,8 +147,11 @@ def run(
     )
     cycles = whole(cycles, "cycles", least=1)
     if world is not None:
+        if soil is not None:
+            raise ValueError("soil is that of the given world: leave it out")
         return _load(world, cycles, given, record)
-    with simulation.open_world(machine, backend=backend) as opened:
+    soil = True if soil is None else soil_of(soil)
+    with simulation.open_world(machine, backend=backend, soil=soil) as opened:
         return _load(opened, cycles, given, record)
 
 
@@ -176,6 +184,7 @@ def _load(world: simulation.World, cycles: int, given: dict[str, Callable], reco
             cycles=cycles,
             machine=machine,
             scene=world.scene,
+            soil=world.ground.parameters,
             backend=world.backend,
             waypoints=tuple(waypoints),
             time=t[::LOG_EVERY][: len(log)],

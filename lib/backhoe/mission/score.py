@@ -15,6 +15,7 @@ from backhoe.machine import Machine
 from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.loading import Run, run
+from backhoe.simulation.soil import SoilParameters
 from backhoe.vehicle.tracking import Path
 
 _MARGIN_ROWS = [
@@ -131,8 +132,14 @@ def _measure(run: Run) -> Score:
 
 
 @lru_cache(maxsize=8)
-def _reference_score(cycles: int, machine: Machine, scene: simulation.Scene, backend: str) -> Score:
-    with simulation.open_world(machine, backend=backend, scene=scene) as world:
+def _reference_score(
+    cycles: int,
+    machine: Machine,
+    scene: simulation.Scene,
+    soil: SoilParameters,
+    backend: str,
+) -> Score:
+    with simulation.open_world(machine, backend=backend, scene=scene, soil=soil) as world:
         return _measure(run(cycles=cycles, world=world))
 
 
@@ -193,10 +200,10 @@ def _score_drive(run: DriveRun) -> DriveScore:
 def score(run: Run | DriveRun) -> Score | DriveScore:
     """Measure a run beside the same run with the library's parts only.
 
-    The reference runs in a new world of the same scene, by the same backend if it is the library's.
-    A drive on your own estimate stands beside one on the library's, and one on the library's beside
-    a drive that is told the truth. A drive with a plant of your own has no reference: drive the
-    plant again without your tracker.
+    The reference runs in a new world of the same scene and soil, by the same backend if it is the
+    library's. A drive on your own estimate stands beside one on the library's, and one on the
+    library's beside a drive that is told the truth. A drive with a plant of your own has no
+    reference: drive the plant again without your tracker.
 
     Args:
         run: what `mission.run` or `mission.drive` returned.
@@ -215,5 +222,5 @@ def score(run: Run | DriveRun) -> Score | DriveScore:
         return measured
     backend = run.backend if run.backend in simulation.BACKENDS else "auto"
     return replace(
-        measured, reference=_reference_score(run.cycles, run.machine, run.scene, backend)
+        measured, reference=_reference_score(run.cycles, run.machine, run.scene, run.soil, backend)
     )

@@ -12,6 +12,7 @@ from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation import bullet
 from backhoe.simulation.protocol import World
 from backhoe.simulation.scene import LOADING, Scene
+from backhoe.simulation.soil import SoilParameters
 from backhoe.vehicle.motor import Motor, WheelGains
 from backhoe.vehicle.skid_steer import HUSKY, Vehicle
 
@@ -43,7 +44,7 @@ def open_world(
     scene: Scene = LOADING,
     seed: int = 0,
     q: ArrayLike | None = None,
-    soil: bool = True,
+    soil: bool | str | SoilParameters = True,
     base: str = "tracks",
     friction: bool = True,
 ) -> World:
@@ -56,7 +57,8 @@ def open_world(
         scene: the ground's heaps and the truck.
         seed: of the bumps on the heaps; the same seed and inputs repeat bit for bit.
         q: joint angles at the start, shape (4,) [rad]; default arm forward and folded.
-        soil: whether the ground can be dug.
+        soil: True for a moist sandy loam, a name in `soil.SOILS` such as "clay loam", or
+            `soil.SoilParameters` of your own; False for ground that cannot be dug.
         base: "tracks" for a machine held by the friction of its tracks, "fixed" for one that
             cannot move, as in the lesson on dynamics.
         friction: whether the joints have the machine's viscous and Coulomb friction.
@@ -66,7 +68,8 @@ def open_world(
 
     Raises:
         TypeError: machine or scene is something else.
-        ValueError: an unknown backend or base, q not 4 finite angles, seed not a whole number.
+        ValueError: an unknown backend, base or soil, q not 4 finite angles, seed not a whole
+            number.
         ImportError: PyBullet is asked for and not installed.
     """
     backend = _backend(backend)

@@ -9,7 +9,13 @@ import pytest
 
 from backhoe.arm import dynamics, kinematics
 from backhoe.machine import BACKHOE, JOINTS, Joint, Shell, replace
-from backhoe.machine.provenance import PUBLIC_MACHINES, provenance
+from backhoe.machine.provenance import (
+    DIGGING_MACHINES,
+    DIGGING_SOURCES,
+    PUBLIC_MACHINES,
+    digging,
+    provenance,
+)
 
 
 def leaf_paths(owner, path=""):
@@ -101,6 +107,43 @@ def test_the_tracks_are_like_those_of_the_public_machines():
         for name in ours.keys() & machine.keys():
             assert ours[name] == pytest.approx(machine[name], rel=0.05)
     assert tracks.shoe_width in {machine["shoe"] for machine in PUBLIC_MACHINES.values()}
+
+
+def test_the_machine_digs_within_the_range_of_the_cited_machines():
+    """Their weakest has a long reach; beside the Caterpillar 320 ours has 60 % of its forces."""
+    ours, *cited = digging()
+    assert [name for name, *_ in cited] == list(DIGGING_SOURCES) == list(DIGGING_MACHINES)
+    for column, name in ((2, "bucket"), (3, "by the bucket"), (4, "by the stick")):
+        theirs = [row[column] for row in cited if row[column] is not None]
+        assert len(theirs) >= 3, name
+        assert min(theirs) < ours[column] < max(theirs), name
+    cat = dict((name, row) for name, *row in cited)["Caterpillar 320"]
+    shares = np.array(ours[3:5]) / cat[2:4]
+    assert shares == pytest.approx(0.61, abs=0.02)
+    assert ours[5] / max(row[5] for row in cited if row[5]) == pytest.approx(1.08, abs=0.005)
+
+
+def test_digging_forces_are_torques_over_lever_arms():
+    _, mass, heaped, by_bucket, by_stick, swing = digging()[0]
+    q = np.radians([0.0, 0.0, 10.0, 104.1])  # bucket in line with the stick
+    joint, tip = (kinematics.forward_kinematics(q, name)[:3, 3] for name in ("boom", "tip"))
+    assert by_bucket * BACKHOE.bucket.length == pytest.approx(BACKHOE.torque_limit[3])
+    assert by_stick * np.linalg.norm(tip - joint) == pytest.approx(BACKHOE.torque_limit[2])
+    assert (mass, swing) == (BACKHOE.mass, BACKHOE.torque_limit[0])
+    assert heaped == BACKHOE.shell.heaped_capacity
+
+
+def test_heaped_capacity_has_a_roof_of_slope_one_on_the_mouth():
+    """Summed column by column: as high as it is far from the nearest edge."""
+    for width in (1.2, 2.0):
+        shell = replace(BACKHOE.shell, width=width)
+        long = np.hypot(1.34, 0.05)
+        u = (np.arange(2000) + 0.5) / 2000 * long
+        v = (np.arange(2000) + 0.5) / 2000 * width
+        u, v = np.meshgrid(np.minimum(u, long - u), np.minimum(v, width - v))
+        heap = np.minimum(u, v).mean() * long * width
+        assert shell.heaped_capacity == pytest.approx(shell.struck_capacity + heap, rel=1e-5)
+    assert BACKHOE.shell.heaped_capacity == pytest.approx(0.874, abs=0.001)
 
 
 def test_limits_the_wrong_way_round_are_refused():

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import pi, radians
+from math import hypot, pi, radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -202,6 +202,13 @@ class Shell:
     def struck_capacity(self) -> float:
         """Volume held when filled level with the mouth [m^3]."""
         return self.section_area * self.width
+
+    @property
+    def heaped_capacity(self) -> float:
+        """Rated volume [m^3]: heaped with slope 1 from all edges of the mouth (ISO 7451)."""
+        (x0, y0), (x1, y1) = self.profile[0], self.profile[-1]
+        short, long = sorted((self.width, hypot(x1 - x0, y1 - y0)))
+        return self.struck_capacity + short**2 * (long / 4 - short / 12)
 
 
 @dataclass(frozen=True)

@@ -129,9 +129,9 @@ def run(
         The run, with its log.
 
     Raises:
-        ValueError: no cycles, a world without soil or one beside `soil`, an unknown soil, a part that
-            returns the wrong shape or values that are not finite, a way-point that a joint cannot
-            reach in its time.
+        ValueError: no cycles, a world without soil or one beside `soil`, an unknown soil, a part
+            that returns the wrong shape or values that are not finite, a way-point that a joint
+            cannot reach in its time.
         TypeError: a part of an unknown name, or one that cannot be called.
         Tipped: the machine tips over (a RuntimeError); its `run` is the run until then, with NaN
             where it did not get.

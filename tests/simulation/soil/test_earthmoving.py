@@ -52,8 +52,7 @@ def test_a_flat_blade_is_pulled_down_and_a_steep_one_lifted():
     assert drawn[0] > 0 > drawn[1]
 
 
-def test_the_issue_of_the_oblique_force():
-    """Set wholly against the motion, as it once was, it would be 35 % too much at 20 degrees."""
+def test_set_wholly_against_the_motion_the_force_would_be_half_as_much_again_at_20_degrees():
     plain = replace(SANDY_LOAM, adhesion=0.0)
     ahead, up = pushed(plain, 0.3, radians(20), 1.2, 0.0, 9.81)
     assert np.hypot(ahead, up) / ahead == pytest.approx(1 / sin(radians(20 + 22)), rel=1e-9)

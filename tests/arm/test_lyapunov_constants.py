@@ -262,6 +262,17 @@ def test_the_norm_of_a_bilinear_map_is_certified_by_a_net_of_directions(rng):
     np.testing.assert_allclose(np.linalg.norm(vector, axis=-1), 1.0)
 
 
+def test_the_bound_by_unfolding_is_above_the_norm_and_reached_by_a_map_of_one_vector(rng):
+    B = rng.normal(size=(200, 4, 4, 4))
+    B = B + np.swapaxes(B, -1, -2)
+    bound, norm = unfolded_bound(B), bilinear_norm(B)[0]
+    assert (bound >= norm).all() and (bound < 4 * norm).all()
+    a, x = rng.normal(size=(2, 4))
+    alone = np.einsum("i,j,k->ijk", a, x, x)
+    wanted = np.linalg.norm(a) * np.linalg.norm(x) ** 2
+    assert unfolded_bound(alone) == pytest.approx(wanted)
+
+
 def test_the_norm_of_no_map_is_zero():
     norm, vector = bilinear_norm(np.zeros((2, 3, 4, 4)))
     np.testing.assert_array_equal(norm, 0.0)

@@ -27,8 +27,9 @@ def test_loading_lasts_35_s_and_rests_between_its_phases(loading):
             assert not loading.ddq[row].any()
 
 
-def test_loading_digs_ahead_and_empties_to_the_left(loading):
+def test_loading_digs_ahead_and_empties_to_the_left():
     """Swing and bucket [deg], and the reach from the swing axis [m], at rest."""
+    loading = movement.loading(dt=0.01)
     for time, swing, bucket, reach in ((5.0, -90, 60, 6.0), (20.0, 0, 90, 5.7)):
         q = loading.q[round(time / loading.dt)]
         assert np.degrees(q[[0, 3]]) == pytest.approx([swing, bucket])

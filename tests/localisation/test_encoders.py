@@ -45,6 +45,12 @@ def test_angles_are_within_a_tick_of_what_the_wheel_turned(angles, ticks):
     assert (np.abs(shown - angles) <= encoder.resolution * (1 + 1e-9)).all()
 
 
+def test_a_turn_has_as_many_ticks_as_the_encoder_says():
+    encoder = Encoder(ticks=100)
+    assert encoder.count(2 * np.pi * 0.375) == 37
+    assert encoder.angles(np.arange(101))[-1] == pytest.approx(2 * np.pi)
+
+
 def test_batches_of_readings_are_taken_row_by_row():
     encoder = Encoder(1000, bits=10)
     angle = np.cumsum(np.random.default_rng(1).uniform(-1, 1, (3, 4, 50)), axis=-1)

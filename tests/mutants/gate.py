@@ -48,7 +48,7 @@ _WORKERS = 2
 _LONGEST = 300
 """Seconds for one test; the tests concerned take less than ten where nothing else runs."""
 _WARM = (
-    *("pytest", "pytest_timeout", "numba"),
+    *("pytest", "pytest_timeout", "numba", "control", "filterpy.kalman"),
     *("scipy.integrate", "scipy.interpolate", "scipy.linalg", "scipy.optimize"),
 )
 """What is imported once, before the processes part."""

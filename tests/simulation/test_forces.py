@@ -5,10 +5,11 @@ import pytest
 
 from backhoe.arm import dynamics, kinematics
 from backhoe.arm.dynamics import terms
-from backhoe.machine import BACKHOE
+from backhoe.machine import BACKHOE, replace
 from backhoe.simulation import forces, moving_base
 
 NUMBERS = forces.numbers_of(BACKHOE, friction=False)
+LOPSIDED = replace(BACKHOE, swing=replace(BACKHOE.swing, com_angle=2.5))
 H = 1e-6
 
 
@@ -61,56 +62,61 @@ def test_a_machine_that_slides_ahead_is_held_by_the_friction_of_its_weight(rng):
     assert s.forces[0] == pytest.approx(-BACKHOE.tracks.friction_longitudinal * weight)
 
 
-def masses(q):
+def masses(q, machine):
     """Mass, place (3,), isotropic inertia and pitch of the house and the links on a placed base."""
     c, s = np.cos(q[2]), np.sin(q[2])
     pitch = 0.0
     for frame, part, angle in zip(
         ("swing_com", "boom_com", "stick_com", "bucket_com"),
-        (BACKHOE.swing, *BACKHOE.links),
+        (machine.swing, *machine.links),
         (0.0, *q[4:]),
         strict=True,
     ):
         pitch += angle
-        x, y, z = kinematics.forward_kinematics(q[3:], frame)[:3, 3]
-        yield part.mass, np.array([q[0] + c * x - s * y, q[1] + s * x + c * y, z]), part, pitch
+        x, y, z = kinematics.forward_kinematics(q[3:], frame, machine)[:3, 3]
+        place = np.array([q[0] + c * x - s * y, q[1] + s * x + c * y, z])
+        yield part.mass, place, part.inertia, pitch
 
 
-def inertia(q):
+def inertia(q, machine):
     """The mass matrix by the bodies' kinetic energies, from differences of their places."""
     M = np.zeros((7, 7))
-    M[:2, :2] = BACKHOE.tracks.mass * np.eye(2)
-    M[2, 2] = BACKHOE.tracks.yaw_inertia
-    ends = [[list(masses(q + h * e)) for h in (1e-5, -1e-5)] for e in np.eye(7)]
+    M[:2, :2] = machine.tracks.mass * np.eye(2)
+    M[2, 2] = machine.tracks.yaw_inertia
+    ends = [[list(masses(q + h * e, machine)) for h in (1e-5, -1e-5)] for e in np.eye(7)]
     yaw = np.array([0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-    for k, (mass, _, part, _) in enumerate(masses(q)):
+    for k, (mass, _, own, _) in enumerate(masses(q, machine)):
         J = np.stack([(a[k][1] - b[k][1]) / 2e-5 for a, b in ends], axis=-1)
         pitch = np.array([(a[k][3] - b[k][3]) / 2e-5 for a, b in ends])
-        M += mass * J.T @ J + part.inertia * (np.outer(yaw, yaw) + np.outer(pitch, pitch))
+        M += mass * J.T @ J + own * (np.outer(yaw, yaw) + np.outer(pitch, pitch))
     return M
 
 
-def balanced(q, dq):
+def balanced(q, dq, machine):
     M, left = np.empty((7, 7)), np.zeros(7)
-    moving_base.balance(terms.arm_of(BACKHOE), moving_base.carrier_of(BACKHOE), q, dq, M, left)
+    moving_base.balance(terms.arm_of(machine), moving_base.carrier_of(machine), q, dq, M, left)
     return M, left
 
 
-def test_the_inertia_of_the_moving_machine_is_that_of_its_bodies(rng):
+@pytest.mark.parametrize("machine", [BACKHOE, LOPSIDED], ids=["backhoe", "lopsided"])
+def test_the_inertia_of_the_moving_machine_is_that_of_its_bodies(machine, rng):
     for _ in range(10):
         q, dq = rng.uniform(-1.5, 1.5, (2, 7))
-        np.testing.assert_allclose(balanced(q, dq)[0], inertia(q), rtol=1e-6, atol=1e-2)
+        M, _ = balanced(q, dq, machine)
+        np.testing.assert_allclose(M, inertia(q, machine), rtol=1e-6, atol=1e-2)
 
 
-def test_what_drives_the_moving_machine_is_gravity_and_the_change_of_its_inertia(rng):
+@pytest.mark.parametrize("machine", [BACKHOE, LOPSIDED], ids=["backhoe", "lopsided"])
+def test_what_drives_the_moving_machine_is_gravity_and_the_change_of_its_inertia(machine, rng):
     """Lagrange: M ddq = -g - (dM/dt dq - d(dq M dq / 2)/dq), by differences of M."""
+
+    def slope(q, dq):
+        ends = (balanced(q + h * dq, dq, machine)[0] for h in (H, -H))
+        return np.subtract(*ends) / (2 * H)
+
     for _ in range(10):
         q, dq = rng.uniform(-1.5, 1.5, (2, 7))
-        slopes = np.stack(
-            [(balanced(q + H * e, dq)[0] - balanced(q - H * e, dq)[0]) / (2 * H) for e in np.eye(7)]
-        )
-        change = (
-            np.einsum("kij,k,j->i", slopes, dq, dq) - np.einsum("kij,i,j->k", slopes, dq, dq) / 2
-        )
-        gravity = np.append(np.zeros(3), dynamics.gravity_torque(q[3:]))
-        np.testing.assert_allclose(balanced(q, dq)[1], -gravity - change, rtol=1e-6, atol=1.0)
+        change = slope(q, dq) @ dq - [dq @ slope(q, e) @ dq / 2 for e in np.eye(7)]
+        gravity = np.append(np.zeros(3), dynamics.gravity_torque(q[3:], machine))
+        _, left = balanced(q, dq, machine)
+        np.testing.assert_allclose(left, -gravity - change, rtol=1e-6, atol=1.0)

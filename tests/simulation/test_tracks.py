@@ -55,6 +55,17 @@ def test_friction_takes_energy_from_every_steady_slide():
         assert push @ twist < 0
 
 
+def test_a_spin_on_one_friction_is_held_by_the_levers_of_all_patches():
+    alike = NUMBERS._replace(friction=np.full(2, 0.5))
+    for sign in (-1.0, 1.0):
+        sheared = np.zeros_like(PATCHES)
+        for _ in range(200):
+            spin = 0.0, 0.0, sign
+            (*force, moment), _ = tracks.shear(alike, WEIGHT, spin, (0.0, 0.0), sheared, 0.001)
+        assert moment == pytest.approx(-sign * 0.5 * WEIGHT * np.hypot(*PATCHES.T).mean())
+        assert force == pytest.approx([0.0, 0.0], abs=1e-6 * WEIGHT)
+
+
 def test_a_small_push_is_held_elastically_and_comes_back():
     sheared = np.zeros_like(PATCHES)
     there = rub((0.01, 0.0), 0.0, sheared=sheared, steps=200)

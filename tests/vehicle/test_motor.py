@@ -23,6 +23,14 @@ H = motor.WHEEL_PERIOD
 # Parameters
 
 
+@pytest.mark.parametrize("driven", [2, 4])
+def test_the_load_of_the_wheels_is_the_rolling_resistance_of_the_vehicle(driven):
+    """(m g K_x v) v is what the driven wheels lose together at the speed v."""
+    p, v = HUSKY, 0.7
+    lost = driven * motor.vehicle_load(p, driven).friction * (v / p.wheel_radius) ** 2
+    assert lost == pytest.approx(p.mass * 9.81 * p.rolling * v**2)
+
+
 def test_the_motor_is_the_printed_one():
     p = PRINTED["motor"]
     assert (WHEELCHAIR.voltage, WHEELCHAIR.power) == (p["voltage"], p["power"])
@@ -292,6 +300,10 @@ def test_settling_time_and_overshoot_of_known_responses():
     assert motor.settling_time(t, response, 1.0) == pytest.approx(info["SettlingTime"], abs=2e-3)
     assert 100 * motor.overshoot(response, 1.0) == pytest.approx(info["Overshoot"], abs=1e-6)
     assert motor.settling_time([0, 1, 2], [5, 5, 5]) == 0.0
+
+
+def test_a_response_has_settled_at_its_first_sample_in_the_band():
+    assert motor.settling_time([1, 2, 3, 4], [0.0, 0.5, 0.99, 1.0], 1.0) == 2.0
 
 
 ONES = np.ones(4)

@@ -71,6 +71,17 @@ def test_the_compiled_rates_are_those_of_the_equations(vehicle, rng):
         assert found == pytest.approx(expected, rel=1e-12, abs=1e-12)
 
 
+def test_the_compiled_rates_hold_on_the_last_micrometres_of_slip():
+    vehicle = replace(HUSKY, rolling=0.0)
+    fleet, found = engine.fleet([vehicle]), np.empty(10)
+    for slip in (0.0, 1e-12, 1e-9, 0.99e-6, 1.01e-6):
+        state = np.array([0.0, 0.0, 0.3, 0.5, 0.4 * slip, 0.0, *np.full(4, 0.5 + slip)])
+        state[6:] /= vehicle.wheel_radius
+        engine.rate(state, np.zeros(4), fleet, 0, found)
+        expected = skid_steer.state_rate(state, np.zeros(4), vehicle)
+        assert found[3:] == pytest.approx(expected[3:], rel=1e-5, abs=1e-12)
+
+
 def test_friction_never_adds_energy_and_torque_adds_torque_times_speed(rng):
     for vehicle in (HUSKY, UNEVEN):
         state, torque = moving(rng, 500), rng.normal(size=(500, 4))

@@ -69,6 +69,14 @@ def test_both_errors_grow_smaller_by_a_turn_to_the_side_they_name():
     assert before.dy > after.dy > 0 and before.alpha > after.alpha > 0
 
 
+def test_whole_turns_of_the_heading_change_no_pose_error():
+    for turns in (-2, -1, 1):
+        pose = (0.5, -0.2, 3.0 + 2 * np.pi * turns)
+        turned = tracking.pose_errors(pose, (1.0, 2.0), (-1.0, 1.5))
+        one = tracking.pose_errors((0.5, -0.2, 3.0), (1.0, 2.0), (-1.0, 1.5))
+        assert turned == pytest.approx(one)
+
+
 def test_without_a_next_way_point_there_is_no_alpha():
     assert tracking.pose_errors((0, 0, 1), (1, 1)).alpha == 0.0
     assert tracking.pose_errors((0, 0, 1), (1, 1), (1, 1)).alpha == 0.0

@@ -176,6 +176,14 @@ def test_the_model_counts_both_tracks_and_the_belts_along():
     assert travel.model(WIDE).rotation.kp == pytest.approx(120e3 * 2.6)
 
 
+def test_tracks_turn_the_machine_and_their_belts_about_their_middle():
+    inertia, com = travel.yaw_inertia()
+    belts = 2 * TRACK.belt_mass * (TRACK.gauge / 2) ** 2
+    turned = inertia + BACKHOE.mass * com @ com + belts
+    assert travel.model().rotation.inertia == pytest.approx(turned)
+    assert BACKHOE.mass * com @ com > 0.01 * turned
+
+
 def test_yaw_inertia_is_that_of_the_simulated_bodies(tmp_path):
     pybullet = pytest.importorskip("pybullet")
     client = pybullet.connect(pybullet.DIRECT)

@@ -15,6 +15,7 @@ import zlib
 from base64 import b64decode
 from html import unescape
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +30,11 @@ _TILE = 16  # pixels
 _PICTURE, _PAGE = "image/png", "text/html"
 _PAGES = re.compile(r'srcdoc="([^"]*)"')
 _UNREADABLE = OSError, EOFError, TypeError, ValueError, SyntaxError, zlib.error
+
+
+def pytest_configure(config):
+    """What nbval leaves out is said beside this file, wherever pytest was started."""
+    config.option.nbval_sanitize_with = str(Path(__file__).with_suffix(".cfg"))
 
 
 @pytest.hookimpl(wrapper=True)

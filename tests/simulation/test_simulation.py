@@ -363,3 +363,21 @@ def test_soil_is_felt_only_in_it(world):
     assert not world.ground.touches and not world.soil_force.any()
     follow(world, DIG[:2], 3.0)
     assert world.ground.touches and np.linalg.norm(world.soil_force) > 1e3
+
+
+def test_the_soil_is_told_how_fast_the_bucket_turns(world, monkeypatch):
+    """At visits and in between: the change of the bucket's pitch from step to step."""
+    told, ground = [], world.ground
+    for name in ("advance", "force"):
+        asked = getattr(ground, name)
+        monkeypatch.setattr(
+            ground, name, lambda *call, asked=asked: (told.append(call[-1]), asked(*call))[1]
+        )
+    world._in_soil, pitches = True, []
+    for _ in range(25):
+        world.step(dynamics.gravity_torque(world.q) + np.array([0.0, 2e4, -1e4, 8e3]))
+        world._in_soil = True
+        pitches.append(world.q[1:].sum())
+    turned = np.diff(pitches) / world.dt
+    assert np.abs(turned).max() > 0.1
+    assert told[1:] == pytest.approx(turned, rel=1e-6)

@@ -447,9 +447,10 @@ class TestMissions:
         )
         assert FULL <= 0.75 * load.min()
 
-    def test_it_never_comes_near_an_edge(self, run):
-        assert run.least.margin > 0.3
-        assert run.margin.min() >= run.least.margin
+    def test_it_stands_even_while_the_soil_pulls_the_bucket_down(self, run):
+        assert 0.15 < run.least.margin <= run.margin.min()
+        out_of_the_heap = run.time > 12.8
+        assert run.margin[out_of_the_heap].min() > 0.5
 
 
 class TestLiftingChart:

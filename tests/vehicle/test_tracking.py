@@ -21,6 +21,7 @@ from backhoe.vehicle.tracking import (
     follow,
 )
 from backhoe.vehicle.tracking import tuned as tuned_trackers
+from backhoe.vehicle.tracking.foot import Foot
 
 angles = st.floats(-30.0, 30.0)
 places = st.tuples(st.floats(-5, 5), st.floats(-5, 5))
@@ -275,6 +276,13 @@ def test_pure_pursuit_keeps_to_its_branch_where_a_path_crosses_itself():
     steps = np.diff(progress)
     assert (steps >= 0).all() and steps.max() < 0.03
     assert progress[-1] > path.length - 0.3
+
+
+def test_the_foot_on_a_path_never_goes_back():
+    foot = Foot(np.array([[0.0, 0.0], [4.0, 0.0]]), window=1.0)
+    for x, way in ((0.8, 0.8), (0.3, 0.8), (1.2, 1.2), (9.0, 2.2)):
+        foot.move_to(x, 0.1)
+        assert foot.way == pytest.approx(way)
 
 
 def test_pure_pursuit_stops_when_it_has_passed_the_end():

@@ -210,6 +210,17 @@ def test_the_modes_of_runge_kutta_are_those_of_speed_modes(kv, weight):
     assert_among(found, tracking.speed_modes(kv, weight))
 
 
+@pytest.mark.parametrize("weight", [0.5, 0.75, 1.0])
+def test_old_and_new_turn_rate_together_close_a_share_of_the_turn(weight):
+    theta, direction, kw = 0.4, 1.1, 0.3
+    tracker = ScagliaRungeKutta(kw=kw, weight=weight)
+    goal = goal_at(2 * cos(direction), 2 * sin(direction))
+    for omega in (-0.7, 0.0, 0.5):
+        _, W = tracker((0.0, 0.0, theta), (0.0, omega), goal, T0)
+        together = weight * W + (1 - weight) * kw * omega
+        assert together * T0 == pytest.approx(kw * (direction - theta))
+
+
 @pytest.mark.parametrize("kv", [0.1, 0.4, 1.0])
 def test_the_printed_trapezoid_rings_for_ever_where_the_speed_is_a_ramp(kv):
     np.testing.assert_allclose(

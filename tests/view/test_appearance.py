@@ -8,6 +8,7 @@ import pytest
 from backhoe.arm.kinematics import link_transforms
 from backhoe.machine import BACKHOE, JOINTS
 from backhoe.simulation.scene import LOADING
+from backhoe.vehicle.skid_steer import HUSKY
 from backhoe.view import appearance, shapes
 
 LONG = replace(BACKHOE, stick=replace(BACKHOE.stick, length=2.5))
@@ -106,3 +107,63 @@ def test_the_truck_is_drawn_around_the_bed_that_is_filled():
         np.abs(bed[:, 1] - truck.y) < truck.bed_width / 2 - 0.01
     )
     assert not inside.any()
+
+
+def span(vertices):
+    return np.array([vertices.min(axis=0), vertices.max(axis=0)])
+
+
+def test_shapes_lie_where_they_were_put():
+    outline = np.array([(0.0, 1.0), (2.0, 1.5), (1.0, 3.0)])
+    bent = np.add(outline, (0.2, -0.5))
+    rim = shapes.prism(outline, -0.5, 2.0)[0]
+    assert {tuple(v) for v in rim} >= {(*p, z) for p in outline for z in (-0.5, 2.0)}
+    bar = shapes.beam(outline, bent, -0.1, (0.2, 0.3, 0.4))[0]
+    corners = [(*p, z) for line in (outline, bent) for p in line for z in (-0.1,)]
+    corners += [
+        (*p, z) for line in (outline, bent) for p, z in zip(line, (0.2, 0.3, 0.4), strict=True)
+    ]
+    assert {tuple(v) for v in bar} == set(corners)
+    np.testing.assert_array_equal(
+        span(shapes.box((1, -2, 5), (0, 3, 4))[0]), [(0, -2, 4), (1, 3, 5)]
+    )
+    start, end = np.array([1.0, 2.0, -1.0]), np.array([2.0, 0.0, 1.0])
+    round_bar = shapes.cylinder(start, end, 0.4)[0] - start
+    along = round_bar @ (end - start) / 3.0
+    away = np.linalg.norm(round_bar - np.outer(along, end - start) / 3.0, axis=1)
+    np.testing.assert_allclose(np.abs(along - 1.5), 1.5)
+    assert np.allclose(away[away > 1e-9], 0.4) and (away > 1e-9).sum() == 28
+    x, y = np.meshgrid([0.0, 1.0, 2.0], [0.0, 3.0])
+    np.testing.assert_array_equal(
+        shapes.grid(x, y, x + y)[0].T, [x.ravel(), y.ravel(), (x + y).ravel()]
+    )
+
+
+def test_arm_and_house_lie_about_the_plane_of_the_arm_and_above_the_tracks():
+    for link in ("boom", "stick", "bucket", "swing"):
+        low, high = span(np.vstack([part.vertices for part in appearance.visuals()[link]]))
+        assert low[2] == pytest.approx(-high[2], abs=0.01), link
+    assert low[1] + BACKHOE.base.height + BACKHOE.swing.height > BACKHOE.tracks.height
+
+
+def test_the_truck_is_drawn_as_the_boxes_that_it_is_for_contacts():
+    drawn = np.vstack([part.vertices for part in appearance.truck_visuals(LOADING.truck)])
+    known = {tuple(vertex) for vertex in np.round(drawn, 6)}
+    for lower, upper in appearance.truck_boxes(LOADING.truck)[:-1]:
+        assert {tuple(np.round(corner, 6)) for corner in shapes.box(lower, upper)[0]} <= known
+
+
+def test_the_rover_is_drawn_in_its_measures():
+    body, *_, axles = appearance.rover_body(HUSKY)
+    half = HUSKY.body_length / 2, HUSKY.body_width / 2
+    top = HUSKY.clearance + HUSKY.body_height
+    wanted = [(-half[0], -half[1], HUSKY.clearance), (*half, top)]
+    np.testing.assert_allclose(span(body.vertices), wanted)
+    middle = span(axles.vertices).mean(axis=0)
+    np.testing.assert_allclose(middle, ((HUSKY.front - HUSKY.rear) / 2, 0, HUSKY.wheel_radius))
+    wheel = np.vstack([part.vertices for part in appearance.rover_wheel(HUSKY)])
+    reach = HUSKY.wheel_radius * np.hypot(1.0, 0.09)
+    assert np.hypot(*wheel[:, :2].T).max() == pytest.approx(reach)
+    np.testing.assert_allclose(span(wheel)[:, 2], np.array([-0.53, 0.53]) * HUSKY.wheel_width)
+    for part in (body, axles, *appearance.rover_wheel(HUSKY)):
+        assert shapes.volume((part.vertices, part.faces)) > 0

@@ -74,7 +74,8 @@ def test_order_of_convergence_on_a_pendulum(name, order):
     np.testing.assert_allclose(observed_order(found), order, atol=0.15)
 
 
-@pytest.mark.parametrize(("name", "order"), ORDERS)
+# The energies that the symplectic step is given know no time.
+@pytest.mark.parametrize(("name", "order"), [o for o in ORDERS if o[0] != "symplectic_euler"])
 def test_order_of_convergence_under_a_push_that_changes_with_time(name, order):
     def pushed(t, q, dq):
         return np.cos(3 * t) - q

@@ -260,21 +260,25 @@ def _by_file(chosen: Iterable[Mutant]) -> list[list[str]]:
     return list(groups.values())
 
 
-@cache
 def _engines_that_reach(package: Path, file: str) -> list[str]:
     """Engines that import a file of the library, or are it, by whatever way."""
+    return [engine for engine, reached in _reached_by_engines(package).items() if file in reached]
+
+
+@cache
+def _reached_by_engines(package: Path) -> dict[str, set[str]]:
+    """Each engine's file, with all files that it imports, itself among them."""
     imports = {
         str(path.relative_to(package)): set(_imported(path, package))
         for path in package.rglob("*.py")
     }
-    found = []
+    found = {}
     for engine in (name for name in imports if name.endswith("engine.py")):
         reached, new = set(), {engine}
         while new:
             reached |= new
             new = set().union(*(imports.get(name, ()) for name in new)) - reached
-        if file in reached:
-            found.append(engine)
+        found[engine] = reached
     return found
 
 

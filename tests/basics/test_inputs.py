@@ -257,3 +257,15 @@ def test_a_covariance_that_is_slightly_indefinite_is_refused():
     ):
         inputs.covariance(np.diag([1.0, -1e-3]), "P", 2)
     inputs.covariance(np.diag([1.0, -1e-12]), "P", 2)  # rounding
+
+
+@pytest.mark.parametrize(
+    "value", [np.ones((3, 4)), np.ones((3, 4, 3), np.uint8), [[1, 2]], None, np.zeros(0, np.uint8)]
+)
+def test_only_grey_pictures_pass_as_such(value):
+    with pytest.raises(ValueError, match="left must be a grey picture"):
+        inputs.picture(value, "left")
+    with pytest.raises(ValueError, match="left must have a pixel"):
+        inputs.picture(np.zeros((0, 4), np.uint8), "left")
+    grey = np.ones((6, 8), np.uint8)
+    assert inputs.picture(grey, "left") is grey and inputs.picture(grey[:, ::2], "left").all()

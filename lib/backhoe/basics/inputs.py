@@ -31,6 +31,7 @@ __all__ = [
     "not_negative",
     "number",
     "numbers",
+    "picture",
     "positive",
     "real_numbers",
     "steps",
@@ -103,6 +104,23 @@ def numbers(
         at = f" at index {where if len(where) > 1 else where[0]}" if where else ""
         raise ValueError(f"{name} must be finite, got {array[where]}{at}")
     return array
+
+
+def picture(value: NDArray, name: str) -> NDArray:
+    """A grey picture, shape (rows, columns) of uint8 [grey levels], black 0, white 255.
+
+    Raises:
+        ValueError: another shape or type; the error says how to make one.
+    """
+    if not isinstance(value, np.ndarray) or value.dtype != np.uint8 or value.ndim != 2:
+        kind = f", {value.dtype}" if isinstance(value, np.ndarray) else ""
+        raise ValueError(
+            f"{name} must be a grey picture, uint8 of shape (rows, columns), got shape "
+            f"{np.shape(value)}{kind}: average the colours, scale to 0..255, use astype(np.uint8)"
+        )
+    if not value.size:
+        raise ValueError(f"{name} must have a pixel, got shape {value.shape}")
+    return np.ascontiguousarray(value)
 
 
 def number(

@@ -1,0 +1,1 @@
+"""What is around the machine: cameras and stereo, lasers, clouds and maps."""

@@ -1,0 +1,15 @@
+"""The matcher's loops, compiled; a thread each where there are rows enough."""
+
+from __future__ import annotations
+
+from backhoe.basics.engine import compiled
+from backhoe.perception.stereo import loops
+
+sobel_response, normalised_response, match_rows, keep_consistent, drop_speckles = compiled(
+    loops.sobel_response,
+    loops.normalised_response,
+    loops.match_rows,
+    loops.keep_consistent,
+    loops.drop_speckles,
+    threads=True,
+)

@@ -126,7 +126,7 @@ def calibrate_pair(
 
 
 def chessboard(columns: int, rows: int, square: float) -> NDArray:
-    """Inner corners of a chessboard, row by row, shape (rows * columns, 3), a `square` apart [m]."""
+    """Inner corners of a chessboard by rows, shape (rows * columns, 3), a `square` apart [m]."""
     columns, rows = whole(columns, "columns", least=2), whole(rows, "rows", least=2)
     i, j = np.divmod(np.arange(rows * columns), columns)
     return np.stack([j, i, 0 * i], axis=-1) * float(square)

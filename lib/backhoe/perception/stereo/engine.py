@@ -11,5 +11,5 @@ sobel_response, normalised_response, match_rows, keep_consistent, drop_speckles 
     loops.match_rows,
     loops.keep_consistent,
     loops.drop_speckles,
-    threads=True,
+    nogil=True,
 )

@@ -1,0 +1,77 @@
+"""The simulated scene for rays of our own: machine, truck and soil as they are drawn.
+
+What `rays` does in PyBullet, without it: the same surfaces, for either backend.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.perception.rays import Body, HeightField, Hits, RayCaster
+from backhoe.simulation.protocol import World
+from backhoe.simulation.render import HORIZON, link_frames
+from backhoe.view import shapes
+from backhoe.view.appearance import truck_visuals, visuals
+
+
+class Sight:
+    """Casts rays in one simulation, again and again; follows its motion and its soil.
+
+    Surfaces are numbered by `names`: terrain, bed where there is a truck, links, truck, country.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        parts = visuals(world.machine)
+        self._links = list(parts)
+        self._bodies = [_body(parts[link]) for link in self._links]
+        truck = truck_visuals(world.scene.truck)
+        if truck:
+            self._bodies.append(_body(truck))
+        self._versions: tuple | None = None
+        self._caster: RayCaster | None = None
+        beds = ["bed"] if world.ground is not None and world.ground.bed is not None else []
+        self.names = ("terrain", *beds, *self._links, *(["truck"] if truck else []), "country")
+
+    def cast(self, start: ArrayLike, vector: ArrayLike, most: float = np.inf) -> Hits:
+        """Hits as `perception.rays.RayCaster.cast` gives them, shape (n,) [m], in the scene as it
+        is now."""
+        return self.caster().cast(start, vector, most)
+
+    def caster(self) -> RayCaster:
+        """The scene as it is now."""
+        ground = self._world.ground
+        fields = (
+            [] if ground is None else [f for f in (ground.terrain, ground.bed) if f is not None]
+        )
+        versions = tuple(field.version for field in fields)
+        frames = link_frames(self._world)
+        poses = np.tile(np.eye(4), (len(self._bodies), 1, 1))
+        poses[: len(self._links)] = [frames[link] for link in self._links]
+        if self._caster is None or versions != self._versions:
+            self._versions = versions
+            self._caster = RayCaster(self._fields(), self._bodies, poses, plain=True, reach=HORIZON)
+        else:
+            self._caster.pose(poses)
+        return self._caster
+
+    def _fields(self) -> list[HeightField]:
+        world, ground = self._world, self._world.ground
+        if ground is None:
+            scene = world.scene
+            return [HeightField(scene.heights(world.seed), scene.cell, scene.corner)]
+        fields = [_field(*ground.terrain.grid(), ground.terrain.heights)]
+        if ground.bed is not None:
+            inside = slice(1, -1), slice(1, -1)
+            x, y = ground.bed.grid()
+            fields.append(_field(x[inside], y[inside], ground.bed.heights[inside]))
+        return fields
+
+
+def _field(x: NDArray, y: NDArray, heights: NDArray) -> HeightField:
+    return HeightField(np.array(heights), float(x[0, 1] - x[0, 0]), (x[0, 0], y[0, 0]))
+
+
+def _body(parts: tuple) -> Body:
+    return Body(*shapes.join(*((part.vertices, part.faces) for part in parts)))

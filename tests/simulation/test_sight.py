@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from backhoe import simulation
+from backhoe.perception import stereo
+from backhoe.perception.camera import Pinhole
+from backhoe.perception.picture import looking
 from backhoe.simulation.sight import Sight
 
 
@@ -59,3 +62,19 @@ def test_a_scene_without_soil_is_seen_too():
     with simulation.open_world(backend="analytic", soil=False) as world:
         down = Sight(world).cast([6.0, 0.0, 8.0], [[0.0, 0.0, -1.0]])
     assert down.points[0, 2] == pytest.approx(1.0, abs=0.04)
+
+
+def test_a_stereo_pair_of_the_scene_is_matched_to_its_true_depth():
+    camera, baseline = Pinhole.of_view((320, 240), np.radians(60)), 0.4
+    T = looking((1.3, -1.1, 2.9), (6.0, 0.3, 0.4))
+    with simulation.open_world(backend="analytic") as world:
+        sight = Sight(world)
+        left = sight.look(camera, T)
+        T[:3, 3] += baseline * T[:3, 0]
+        right = sight.look(camera, T)
+    d = stereo.block_match(left.grey, right.grey, disparities=64)
+    part = np.s_[7:-7, 72:-7]
+    z = stereo.depth(d, camera.K[0, 0], baseline)[part]
+    near = np.isfinite(z) & (left.depth[part] < 8)
+    assert np.isfinite(z).mean() > 0.9
+    assert np.median(np.abs(z - left.depth[part])[near]) < 0.05

@@ -8,11 +8,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from backhoe.perception.camera import Pinhole
+from backhoe.perception.picture import Paint, Texture, View, view
 from backhoe.perception.rays import Body, HeightField, Hits, RayCaster
 from backhoe.simulation.protocol import World
 from backhoe.simulation.render import HORIZON, link_frames
 from backhoe.view import shapes
 from backhoe.view.appearance import truck_visuals, visuals
+
+EARTH, PAINTED, SMOOTH = Paint(0.5, 0.3), Paint(0.6, 0.1), Paint(0.75)
+"""Soil; the machine, scratched; the truck, newly painted: a stereo pair cannot match its sides."""
 
 
 class Sight:
@@ -30,14 +35,24 @@ class Sight:
         if truck:
             self._bodies.append(_body(truck))
         self._versions: tuple | None = None
+        self._texture: Texture | None = None
         self._caster: RayCaster | None = None
         beds = ["bed"] if world.ground is not None and world.ground.bed is not None else []
         self.names = ("terrain", *beds, *self._links, *(["truck"] if truck else []), "country")
+        special = dict.fromkeys(("terrain", "bed", "country"), EARTH) | {"truck": SMOOTH}
+        self._paints = [special.get(name, PAINTED) for name in self.names]
 
     def cast(self, start: ArrayLike, vector: ArrayLike, most: float = np.inf) -> Hits:
         """Hits as `perception.rays.RayCaster.cast` gives them, shape (n,) [m], in the scene as it
         is now."""
         return self.caster().cast(start, vector, most)
+
+    def look(self, camera: Pinhole, T_world_camera: ArrayLike) -> View:
+        """The scene as a camera sees it now, with true depth; pose (4, 4) [m]: x right, y down, z
+        ahead."""
+        if self._texture is None:
+            self._texture = Texture.of_noise(self._world.seed)
+        return view(self.caster(), camera, T_world_camera, self._paints, self._texture)
 
     def caster(self) -> RayCaster:
         """The scene as it is now."""

@@ -12,6 +12,8 @@ import zlib
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe.perception.picture.texture import smooth_noise
+
 SIDE = 10.24
 """Side of one tile on the ground [m]."""
 
@@ -23,16 +25,7 @@ PALE = np.array([0.66, 0.57, 0.43])
 
 def ground(seed: int) -> NDArray:
     """One tile of earth, shape (PIXELS, PIXELS, 3), uint8."""
-    rng = np.random.default_rng([seed, 7])
-    waves = np.fft.rfft2(rng.standard_normal((PIXELS, PIXELS)))
-    per_metre = np.hypot(
-        np.fft.fftfreq(PIXELS, SIDE / PIXELS)[:, None], np.fft.rfftfreq(PIXELS, SIDE / PIXELS)
-    )
-    noise = np.zeros((PIXELS, PIXELS))
-    for wavelength in WAVELENGTHS:
-        band = np.exp(-(((per_metre * wavelength) - 1) ** 2) / 0.18)
-        octave = np.fft.irfft2(waves * band, (PIXELS, PIXELS))
-        noise += octave / octave.std()
+    noise = smooth_noise(seed, WAVELENGTHS, SIDE, PIXELS)
     shade = 0.5 + 0.16 * noise / np.sqrt(len(WAVELENGTHS)) * 1.6
     shade = np.clip(shade, 0.0, 1.0)[..., None]
     return np.uint8(255 * (EARTH + shade * (PALE - EARTH)))

@@ -126,6 +126,21 @@ class RayCaster:
         self._scene.bodies[:, 16] = np.cumsum([0, *(len(b.boxes) for b in bodies)])[: len(bodies)]
         self.pose(np.tile(np.eye(4), (len(bodies), 1, 1)) if poses is None else poses)
 
+    @property
+    def fields(self) -> int:
+        """How many heightmaps there are."""
+        return len(self._scene.fields)
+
+    @property
+    def surfaces(self) -> int:
+        """How many surfaces there are, in the order of `Hits.surface`."""
+        return self.fields + len(self._bodies) + int(self._scene.plain[4] > 0)
+
+    @property
+    def poses(self) -> NDArray:
+        """The bodies' rows of `loops.Surfaces`, shape (bodies, 17) [m]."""
+        return self._scene.bodies
+
     def pose(self, poses: ArrayLike) -> None:
         """Move the bodies to poses in the world, shape (bodies, 4, 4) [m]."""
         if not self._bodies:

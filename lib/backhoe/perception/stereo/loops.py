@@ -172,48 +172,48 @@ def keep_consistent(disparity: NDArray, cost: NDArray, most: float, best: NDArra
 def drop_speckles(disparity, largest, step, parent, size, label):
     """Drop patches of at most `largest` pixels; neighbours differ by at most `step` in a patch.
 
-    One pass joins each pixel to those left of and above it, a second one drops. `parent`, `size`
-    (rows * columns,) and `label` (rows, columns) are room, int32.
+    One pass gives each run of pixels in a row the patch of what lies above it and joins patches
+    that it touches; a second one drops. `parent`, `size` (rows * columns,) and `label` (rows,
+    columns) are room, int32.
     """
     rows, columns = disparity.shape
     count = 0
     for i in range(rows):
+        mine, length, left, seen = -1, 0, np.float32(np.nan), -1
         for j in range(columns):
             d = disparity[i, j]
+            if not abs(d - left) <= step:
+                if length:
+                    size[mine] += length
+                mine, length, seen = -1, 0, -1
+            left = d
             if not d == d:
                 continue
-            mine = -1
-            if j > 0 and abs(disparity[i, j - 1] - d) <= step:
-                mine = label[i, j - 1]
-            if i > 0 and abs(disparity[i - 1, j] - d) <= step:
-                other = label[i - 1, j]
+            if i > 0 and abs(disparity[i - 1, j] - d) <= step and label[i - 1, j] != seen:
+                seen = label[i - 1, j]
+                other = seen
+                while parent[other] != other:
+                    parent[other] = parent[parent[other]]
+                    other = parent[other]
                 if mine < 0:
                     mine = other
                 elif mine != other:
-                    a, b = mine, other
-                    while parent[a] != a:
-                        parent[a] = parent[parent[a]]
-                        a = parent[a]
-                    while parent[b] != b:
-                        parent[b] = parent[parent[b]]
-                        b = parent[b]
-                    if a != b:
-                        a, b = min(a, b), max(a, b)
-                        parent[b] = a
-                        size[a] += size[b]
-                    mine = a
+                    mine, other = min(mine, other), max(mine, other)
+                    parent[other] = mine
+                    size[mine] += size[other]
             if mine < 0:
                 mine = count
                 parent[mine] = mine
                 size[mine] = 0
                 count += 1
-            while parent[mine] != mine:
-                mine = parent[mine]
             label[i, j] = mine
-            size[mine] += 1
+            length += 1
+        if length:
+            size[mine] += length
     for k in range(count):
         parent[k] = parent[parent[k]]
+        size[k] = size[parent[k]]
     for i in range(rows):
         for j in range(columns):
-            if disparity[i, j] == disparity[i, j] and size[parent[label[i, j]]] <= largest:
+            if disparity[i, j] == disparity[i, j] and size[label[i, j]] <= largest:
                 disparity[i, j] = np.nan

@@ -1,0 +1,12 @@
+"""Pictures of a scene by rays: a stereo pair with true depth wherever Python runs.
+
+- `views`: a camera's picture and depth
+- `texture`: smooth noise of 4 to 64 cm
+- `loops`: the light of a pixel, written once
+- `engine`: the same, compiled
+"""
+
+from backhoe.perception.picture.texture import Texture, smooth_noise
+from backhoe.perception.picture.views import Paint, View, looking, view
+
+__all__ = ["Paint", "Texture", "View", "looking", "smooth_noise", "view"]

@@ -1,0 +1,138 @@
+"""Pictures by rays, with the true depth of each pixel: what a camera sees, without a renderer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import instance, number, numbers
+from backhoe.basics.tiles import for_each_tile
+from backhoe.perception.camera import Pinhole
+from backhoe.perception.picture.texture import Texture
+from backhoe.perception.rays import RayCaster
+
+SUN = np.array([-0.36, -0.48, 0.80])
+"""Direction to the light."""
+
+TILE = 8192
+
+
+@dataclass(frozen=True)
+class Paint:
+    """How a surface looks: `brightness` 0 to 1, how strongly its texture shows (`contrast`, the
+    standard deviation in shares of the brightness), and the share of light in the shade."""
+
+    brightness: float
+    contrast: float = 0.0
+    ambient: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("brightness", "contrast", "ambient"):
+            number(getattr(self, name), f"Paint.{name}", least=0, most=1)
+
+
+@dataclass(frozen=True)
+class View:
+    """What a camera sees, shape (rows, columns) each: `grey`, uint8 [grey levels]; `depth` along
+    its axis [m], NaN where nothing is; `surface`, numbered as by `rays.Hits`, -1 for none."""
+
+    grey: NDArray
+    depth: NDArray
+    surface: NDArray
+
+
+def looking(eye: ArrayLike, target: ArrayLike) -> NDArray:
+    """Pose of a level camera in the world, shape (4, 4) [m]: x right, y down, z ahead.
+
+    Args:
+        eye, target: where it is and what it looks at, shape (3,) [m].
+
+    Raises:
+        ValueError: both are one place, or one is above the other.
+    """
+    eye, target = (
+        numbers(p, name, (3,), meaning="x, y, z [m]")
+        for name, p in (("eye", eye), ("target", target))
+    )
+    ahead = target - eye
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    number(
+        float(np.linalg.norm(right)), "distance of eye and target as seen from above", "m", above=0
+    )
+    T = np.eye(4)
+    for k, axis in enumerate((right, np.cross(ahead, right), ahead)):
+        T[:3, k] = axis / np.linalg.norm(axis)
+    T[:3, 3] = eye
+    return T
+
+
+def view(
+    caster: RayCaster,
+    camera: Pinhole,
+    T_world_camera: ArrayLike,
+    paints: Sequence[Paint],
+    texture: Texture,
+) -> View:
+    """A picture with true depth, one ray a pixel; the lens's distortion included.
+
+    Args:
+        caster: what there is to see.
+        camera: its lens and size.
+        T_world_camera: its pose, shape (4, 4) [m]: x right, y down, z ahead.
+        paints: one for each surface of the caster.
+        texture: that all paints with contrast show.
+
+    Raises:
+        ValueError: shapes, or another number of paints than of surfaces.
+        TypeError: a caster, camera, paint or texture that is none.
+    """
+    for name, value, kind in (("caster", caster, RayCaster), ("camera", camera, Pinhole)):
+        instance(value, name, kind)
+    instance(texture, "texture", Texture)
+    if len(paints) != caster.surfaces:
+        raise ValueError(f"paints must be one for each of {caster.surfaces}, got {len(paints)}")
+    coats = [instance(paint, "paint", Paint) for paint in paints]
+    table = np.array([[p.brightness, p.contrast, p.ambient] for p in coats])
+    T = numbers(T_world_camera, "T_world_camera", (4, 4), meaning="a pose")
+    width, height = camera.size
+    pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).astype(float)
+    plane = camera.undistort(pixels.reshape(-1, 2))
+    blind = np.isnan(plane[:, 0])
+    plane[blind] = 0.0
+    vector = np.c_[plane, np.ones(len(plane))] @ T[:3, :3].T
+    hits = caster.cast(T[:3, 3], vector)
+
+    from backhoe.perception.picture import engine
+
+    grey, sun = np.empty(len(plane), dtype=np.uint8), SUN / np.linalg.norm(SUN)
+
+    def some(part: slice) -> None:
+        engine.shade(
+            hits.points[part],
+            hits.t[part],
+            vector[part],
+            hits.surface[part],
+            hits.normal[part],
+            caster.poses,
+            caster.fields,
+            table,
+            texture.levels,
+            texture.pixels,
+            texture.side,
+            1 / camera.K[0, 0],
+            sun,
+            grey[part],
+        )
+
+    for_each_tile(some, len(plane), TILE)
+    grey[blind] = 0
+    hit = (hits.surface >= 0) & ~blind
+    shape = height, width
+    return View(
+        grey.reshape(shape),
+        np.where(hit, hits.t, np.nan).reshape(shape),
+        np.where(hit, hits.surface, -1).reshape(shape),
+    )

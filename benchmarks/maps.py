@@ -56,7 +56,7 @@ def grids() -> list[bool]:
     except ImportError as error:
         print(f"Open3D is left out: {error}")
         return ok
-    # Open3D's voxels begin half a leaf before the lowest point: one more point puts them on ours, and
+    # Open3D's voxels begin half a leaf before the lowest point: one more point puts them on ours;
     # a power of 2 divides without rounding.
     points, leaf = scene_of[1_000_000], 1 / 16
     corner = (np.floor(points.min(axis=0) / leaf) - 1.5) * leaf

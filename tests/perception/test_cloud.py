@@ -63,21 +63,16 @@ def test_voxel_grid_refuses(points, leaf, words):
 
 def test_compiled_loops_do_as_the_plain_ones():
     points = RNG(2).normal(size=(300, 3))
-    low = np.floor(points.min(axis=0) / 0.5)
     planes = np.vstack([part.planes for part in (cloud.box([0, 0, 0], [1, 1, 1]),)])
     spheres = np.array([0, 6]), np.array([[0.5, 0.5, 0.5]]), np.array([2.0])
     found = []
     for module in (engine, loops):
-        table = (
-            np.full(2048, -1, np.int32),
-            np.zeros(512, int),
-            np.zeros((512, 3)),
-            np.zeros(512, int),
-        )
-        assert module.gather(points, 0.5, low, *table, 0, 0)[0] == 300
+        ends, table = np.empty((2, 3)), (np.full(2048, -1, np.int32), np.zeros((512, 8)))
+        assert module.extent(points, ends)
+        assert module.gather(points, 0.5, *table, 0, 0)[0] == 300
         keep = np.ones(300, bool)
         module.outside(points, planes, *spheres, 0.1, keep)
-        found.append([*table, keep])
+        found.append([ends, *table, keep])
     for fast, plain in zip(*found, strict=True):
         np.testing.assert_array_equal(fast, plain)
 

@@ -5,4 +5,4 @@ from __future__ import annotations
 from backhoe.basics.engine import compiled
 from backhoe.perception.cloud import loops
 
-gather, outside = compiled(loops.gather, loops.outside)
+extent, gather, outside = compiled(loops.extent, loops.gather, loops.outside)

@@ -31,9 +31,13 @@ def voxel_grid(points: ArrayLike, leaf: float) -> NDArray:
         ValueError: no points, values that are not finite, a leaf that is not above 0, or one so
             small that the cloud is 2 million voxels wide or more.
     """
-    points = np.ascontiguousarray(numbers(points, "points", ("n", 3), meaning="coordinates [m]"))
+    points = numbers(points, "points", ("n", 3), meaning="coordinates [m]", finite=False)
     leaf = positive(leaf, "leaf", "m")
-    ends = np.array([points.min(axis=0), points.max(axis=0)])
+    from backhoe.perception.cloud import engine
+
+    points, ends = np.ascontiguousarray(points), np.empty((2, 3))
+    if not engine.extent(points, ends):
+        numbers(points, "points")
     with np.errstate(over="ignore"):
         low, high = np.floor(ends / leaf)
     if not ((high - low < WIDEST) & (np.abs(low) < 1 << 50) & (np.abs(high) < 1 << 50)).all():
@@ -42,14 +46,12 @@ def voxel_grid(points: ArrayLike, leaf: float) -> NDArray:
             f"leaf must be above {wide / WIDEST:.3g} m for a cloud that is {wide:.3g} m wide and "
             f"{far:.3g} m from its origin, got {leaf}"
         )
-    from backhoe.perception.cloud import engine
-
     room, size = FEW, len(points)
     while True:
         room = min(room, size)
-        slots = np.full(4 << (room - 1).bit_length(), -1, np.int32)
-        table = slots, np.empty(room, np.int64), np.zeros((room, 3)), np.zeros(room, np.int64)
-        done, filled = engine.gather(points, leaf, low, *table, 0, 0)
+        slots = np.full(2 << (room - 1).bit_length(), -1, np.int32)
+        voxels = np.zeros((room, 8))
+        done, filled = engine.gather(points, leaf, slots, voxels, 0, 0)
         if done == size:
-            return table[2][:filled] / table[3][:filled, None]
+            return voxels[:filled, 3:6] / voxels[:filled, 6:7]
         room = max(8 * room, int(1.5 * filled * size / max(done, 1)))

@@ -13,6 +13,7 @@ from functools import cache
 from importlib import import_module, util
 from pathlib import Path
 
+from backhoe.course.catalogue import LESSONS
 from backhoe.lessons import published
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -43,8 +44,7 @@ def rows() -> list[dict[str, str]]:
 @cache
 def verdicts(lesson: str):
     """The module of a lesson's properties, such as `tests/lessons/kinematics/verdicts.py`."""
-    (notebook,) = (ROOT / "notebooks").glob(f"{lesson}_*.ipynb")
-    path = ROOT / "tests" / "lessons" / notebook.stem[3:] / "verdicts.py"
+    path = ROOT / "tests" / "lessons" / LESSONS[str(int(lesson))] / "verdicts.py"
     spec = util.spec_from_file_location(f"verdicts_{lesson}", path)
     module = util.module_from_spec(spec)
     spec.loader.exec_module(module)

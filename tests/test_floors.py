@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from backhoe import FLOORS
+from backhoe.course.catalogue import LESSONS
 
 PACKAGE = Path(__file__).resolve().parents[1] / "lib" / "backhoe"
 ORDER = list(FLOORS)
@@ -134,7 +135,9 @@ def test_every_folder_of_tests_is_a_floor():
     assert folders - {"browser", "mutants", "__pycache__"} <= set(FLOORS)
 
 
-def test_every_lesson_has_its_notebook():
+def test_every_lesson_has_its_notebooks():
     lessons = {path.name for path in (PACKAGE / "lessons").iterdir() if path.is_dir()}
-    notebooks = (PACKAGE.parents[1] / "notebooks").glob("[0-9]*.ipynb")
-    assert lessons - {"__pycache__"} == {path.stem.split("_", 1)[1] for path in notebooks}
+    notebooks = (PACKAGE.parents[1] / "notebooks").rglob("[0-9]*.ipynb")
+    chapters = {str(int(path.stem[:2])) for path in notebooks}
+    assert lessons - {"__pycache__"} == {LESSONS[chapter] for chapter in chapters}
+    assert chapters == set(LESSONS)

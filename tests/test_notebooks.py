@@ -23,13 +23,13 @@ from backhoe.view.replay.recording import HEIGHT_STEP, HeightField, Recording
 from backhoe.view.replay.recording_file import encode
 
 ROOT = Path(__file__).resolve().parents[1]
-PATHS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+PATHS = sorted((ROOT / "notebooks").rglob("[0-9]*.ipynb"))
 WIDGET = "application/vnd.jupyter.widget-view+json"
 MACHINE_PATH = re.compile(r"(?<![\w.])/(?:work|tmp|home|root|Users|usr|var|opt)/|[A-Z]:\\\\?Users")
 ADDRESS = re.compile(r"\bat 0x[0-9a-f]{6,}")
 
 
-@pytest.fixture(params=PATHS, ids=lambda path: path.stem)
+@pytest.fixture(params=PATHS, ids=lambda path: f"{path.parent.name} {path.stem}")
 def path(request):
     return request.param
 

@@ -79,8 +79,8 @@ def test_readme_gives_two_commands_that_ci_runs_word_for_word():
 
 
 def test_readme_lists_every_lesson():
-    for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
-        assert f"(notebooks/{path.name})" in README
+    for path in sorted((ROOT / "notebooks").rglob("[0-9]*.ipynb")):
+        assert f"({path.relative_to(ROOT).as_posix()})" in README
 
 
 @pytest.mark.parametrize("name", ["requirements.txt", "requirements-dev.txt"])

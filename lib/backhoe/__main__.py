@@ -17,7 +17,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     parser = argparse.ArgumentParser(prog="backhoe", description="The Backhoe robotics course.")
     commands = parser.add_subparsers(dest="command", required=True)
-    commands.add_parser("lab", help="open JupyterLab on the tour; further arguments go to it")
+    lab = commands.add_parser(
+        "lab", help="open JupyterLab on your own copy of the lessons; further arguments go to it"
+    )
+    lab.add_argument("--folder", help="of your copy (default: workspace, in the course)")
     commands.add_parser("doctor", help="check this machine and name the fix for what is missing")
     lessons = commands.add_parser("lessons", help="export pages that need no network")
     lessons.add_argument("--output", help="folder to make (default: build/lessons)")
@@ -26,25 +29,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"unrecognised arguments: {' '.join(further)}")
 
     try:
-        return _run(options.command, further, getattr(options, "output", None))
-    except (FileExistsError, FileNotFoundError, ModuleNotFoundError, RuntimeError) as error:
+        return _run(options, further)
+    except (ModuleNotFoundError, OSError, RuntimeError) as error:
         print(f"backhoe {options.command}: {error}", file=sys.stderr)
         return 1
 
 
-def _run(command: str, further: Sequence[str], output: str | None) -> int:
-    if command == "doctor":
+def _run(options: argparse.Namespace, further: Sequence[str]) -> int:
+    if options.command == "doctor":
         from backhoe.course import doctor
 
         return doctor.report(doctor.examine())
-    if command == "lab":
+    if options.command == "lab":
         from backhoe.course import workspace
 
-        workspace.open_lab(further)
+        workspace.open_lab(further, options.folder)
     else:
         from backhoe.course import site
 
-        print(f"open {site.build(output) / 'index.html'}")
+        print(f"open {site.build(options.output) / 'index.html'}")
     return 0
 
 

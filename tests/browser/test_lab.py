@@ -1,7 +1,6 @@
 """The tour as a student meets it: `backhoe lab`, a real JupyterLab in Chromium, Run All."""
 
 import os
-import shutil
 import socket
 import subprocess
 import sys
@@ -41,16 +40,8 @@ def _free_port():
 
 @pytest.fixture(scope="module")
 def lab(chromium, tmp_path_factory):
-    """The address of a JupyterLab started by `backhoe lab` on a copy without stored outputs."""
+    """The address of a JupyterLab started by `backhoe lab` on a fresh copy of the lessons."""
     place = tmp_path_factory.mktemp("lab")
-    for name in ("lib", "notebooks", "data"):
-        shutil.copytree(workspace.root() / name, place / "course" / name)
-    for path in (place / "course" / "notebooks").glob("*.ipynb"):
-        notebook = nbformat.read(path, as_version=4)
-        for cell in notebook.cells:
-            if cell.cell_type == "code":
-                cell.outputs, cell.execution_count = [], None
-        nbformat.write(notebook, path)
     own = ("JUPYTER_RUNTIME_DIR", "JUPYTER_CONFIG_DIR", "JUPYTERLAB_SETTINGS_DIR")
     address = f"http://127.0.0.1:{_free_port()}"
     options = ["--no-browser", "--allow-root", f"--port={address.rpartition(':')[2]}"]
@@ -58,13 +49,9 @@ def lab(chromium, tmp_path_factory):
     options += [f"--LabApp.workspaces_dir={place / 'workspaces'}"]
     with open(place / "log", "w", encoding="utf-8") as log:
         server = subprocess.Popen(
-            [sys.executable, "-m", "backhoe", "lab", *options],
+            [sys.executable, "-m", "backhoe", "lab", "--folder", "mine", *options],
             cwd=place,
-            env={
-                **os.environ,
-                **{name: str(place / name) for name in own},
-                "PYTHONPATH": str(place / "course" / "lib"),
-            },
+            env={**os.environ, **{name: str(place / name) for name in own}},
             stdout=log,
             stderr=subprocess.STDOUT,
         )
@@ -100,7 +87,7 @@ def tour(chromium, lab):
     page = context.new_page()
     page.outside = outside
     page.set_default_timeout(120_000)
-    page.goto(f"{lab}/lab/tree/notebooks/00_tour.ipynb?token={TOKEN}")
+    page.goto(f"{lab}/lab/tree/00_tour.ipynb?token={TOKEN}")
     idle = page.locator("#jp-main-statusbar").get_by_text("Idle")
     idle.wait_for()
     page.locator("#jp-MainMenu").get_by_text("Run", exact=True).click()
@@ -109,6 +96,13 @@ def tour(chromium, lab):
     idle.wait_for()
     yield page
     context.close()
+
+
+def test_a_fresh_copy_shows_no_answers_and_its_pictures(tour, lab):
+    with _ask(f"{lab}/files/07_ekf.ipynb") as file:
+        assert b'"outputs": []' in file.read()
+    loaded = "picture => picture.complete && picture.naturalWidth > 0"
+    assert tour.locator(".jp-RenderedMarkdown img").first.evaluate(loaded)
 
 
 def test_opens_without_questions_or_news(tour):

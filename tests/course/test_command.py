@@ -23,18 +23,28 @@ def started(monkeypatch):
 
 def test_lab_opens_the_tour_from_any_folder_and_passes_arguments_on(started, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    assert __main__.main(["lab", "--no-browser", "--port=9000"]) == 0
-    assert started[0] == str(workspace.root() / "notebooks" / "00_tour.ipynb")
+    assert __main__.main(["lab", "--folder", "mine", "--no-browser", "--port=9000"]) == 0
+    assert started[:2] == [
+        str(tmp_path / "mine" / "00_tour.ipynb"),
+        f"--ServerApp.root_dir={tmp_path / 'mine'}",
+    ]
+    assert (tmp_path / "mine" / "00_tour.ipynb").exists()
     assert started[-2:] == ["--no-browser", "--port=9000"]
 
 
-def test_lab_turns_announcements_off_and_keeps_the_students_settings(started):
-    __main__.main(["lab"])
+def test_lab_turns_announcements_off_and_keeps_the_students_settings(started, tmp_path):
+    __main__.main(["lab", "--folder", str(tmp_path)])
     folders = os.environ["JUPYTER_CONFIG_PATH"].split(os.pathsep)
     assert folders[1] == "mine"
     with open(os.path.join(folders[0], "labconfig", "page_config.json"), encoding="utf-8") as file:
         disabled = json.load(file)["disabledExtensions"]
     assert disabled == {"@jupyterlab/apputils-extension:announcements": True}
+
+
+def test_a_copy_that_cannot_be_written_is_told(started, capsys, tmp_path):
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    assert __main__.main(["lab", "--folder", str(tmp_path / "file")]) == 1
+    assert "backhoe lab: " in capsys.readouterr().err and not started
 
 
 def test_missing_jupyterlab_sends_to_the_doctor(monkeypatch, capsys):

@@ -1,10 +1,23 @@
-"""Where the course lies on this machine, and JupyterLab opened on it."""
+"""Where the course lies on this machine, the student's own copy of it, and JupyterLab on that copy.
+
+A copy has no stored outputs, so a prediction comes before its answer, and the course's own files
+stay as they are. An update never takes anything of the student's: what was edited is kept, and a
+newer version is put beside it.
+"""
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from hashlib import sha256
 from pathlib import Path
+
+RECORD = ".backhoe.json"
+"""In a workspace: of each file that the course put there, the digest."""
+
+HOME = "backhoe-lessons"
+"""The workspace's name in the home folder, where the course itself cannot be written."""
 
 
 def root() -> Path:
@@ -22,15 +35,63 @@ def root() -> Path:
     return folder
 
 
-def open_lab(arguments: Sequence[str] = ()) -> None:
-    """Open JupyterLab on the tour; it runs until it is stopped.
+def default_folder() -> Path:
+    """Where the student's copy is made unless another folder is named: `workspace` in the course,
+    or in the home folder where the course cannot be written."""
+    inside = root() / "workspace"
+    writable = os.access(inside if inside.is_dir() else root(), os.W_OK)
+    return inside if writable else Path.home() / HOME
+
+
+def update(folder: str | Path | None = None) -> list[str]:
+    """Bring the student's copy of the lessons up to date, or make it.
+
+    Missing notebooks are added, those that nobody touched replaced. Where the student changed one
+    (running it counts), the course's newer version comes beside it, as `NAME.new.ipynb`.
+
+    Args:
+        folder: the workspace; `default_folder()` if None.
+
+    Returns:
+        What was done, one line a file; nothing for what is up to date.
+
+    Raises:
+        OSError: the folder cannot be written, or the disk is full; what was there stays.
+    """
+    folder = default_folder() if folder is None else Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    given, said = _record(folder)
+    for name, content in _lessons():
+        place, digest = folder / name, _digest(content)
+        there = _digest(place.read_bytes()) if place.exists() else None
+        if there is not None and given.get(name) == digest:
+            continue
+        if there is None:
+            _write(place, content)
+            said.append(f"new: {name}")
+        elif there == given.get(name):
+            _write(place, content)
+            said.append(f"newer version: {name}")
+        elif there != digest:
+            beside = _beside(place, content)
+            _write(beside, content)
+            said.append(f"{name} is yours and stays; newer version: {beside.name}")
+        given[name] = digest
+        _write(folder / RECORD, json.dumps(given, indent=1).encode())
+    return said
+
+
+def open_lab(arguments: Sequence[str] = (), folder: str | Path | None = None) -> None:
+    """Open JupyterLab on the tour in the student's own copy; it runs until it is stopped.
 
     Args:
         arguments: passed on to JupyterLab, such as `--no-browser`.
+        folder: of the copy, which is made or brought up to date; `default_folder()` if None.
 
     Raises:
         ModuleNotFoundError: JupyterLab is not installed.
         FileNotFoundError: the notebooks are not beside the library.
+        OSError: the copy cannot be written.
     """
     try:
         from jupyterlab.labapp import LabApp
@@ -38,8 +99,75 @@ def open_lab(arguments: Sequence[str] = ()) -> None:
         fix = "`backhoe doctor` says what to install"
         raise ModuleNotFoundError(f"JupyterLab is missing ({error}); {fix}") from error
 
+    folder = (default_folder() if folder is None else Path(folder)).resolve()
+    said = update(folder)
+    print(f"your own copy of the lessons: {folder}", *said, sep="\n  ", flush=True)
     settings = str(Path(__file__).with_name("jupyter"))  # no news, no question about them
     paths = [settings, *filter(None, [os.environ.get("JUPYTER_CONFIG_PATH")])]
     os.environ["JUPYTER_CONFIG_PATH"] = os.pathsep.join(paths)
-    tour = root() / "notebooks" / "00_tour.ipynb"
-    LabApp.launch_instance([str(tour), f"--ServerApp.root_dir={root()}", *arguments])
+    tour = str(folder / "00_tour.ipynb")
+    LabApp.launch_instance([tour, f"--ServerApp.root_dir={folder}", *arguments])
+
+
+def _lessons() -> Iterator[tuple[str, bytes]]:
+    """Name in the workspace and content of each file that a student gets."""
+    notebooks = root() / "notebooks"
+    for path in sorted(notebooks.rglob("[0-9]*.ipynb")):
+        if ".ipynb_checkpoints" not in path.parts:
+            yield path.relative_to(notebooks).as_posix(), _without_outputs(path)
+    for path in sorted((root() / "docs").glob("*.png")):
+        yield f"docs/{path.name}", path.read_bytes()
+
+
+def _without_outputs(path: Path) -> bytes:
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        source = "".join(cell["source"]).replace("](../docs/", "](docs/")
+        cell["source"] = source.splitlines(keepends=True)
+        if cell["cell_type"] == "code":
+            cell["outputs"], cell["execution_count"] = [], None
+    return (json.dumps(notebook, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def _record(folder: Path) -> tuple[dict[str, str], list[str]]:
+    """What the course put here, and what to say of a record that cannot be read."""
+    path = folder / RECORD
+    try:
+        given = json.loads(path.read_bytes())
+        if isinstance(given, dict) and all(isinstance(digest, str) for digest in given.values()):
+            return given, []
+    except FileNotFoundError:
+        return {}, []
+    except ValueError:
+        pass
+    aside = path.with_name(f"{RECORD}.damaged")
+    path.replace(aside)
+    return {}, [f"the list of what was copied was damaged; it is now {aside.name}"]
+
+
+def _beside(place: Path, content: bytes) -> Path:
+    """A free name beside a notebook, or that of the same content."""
+    number = 0
+    while True:
+        number += 1
+        other = place.with_suffix(f".new{'' if number == 1 else number}{place.suffix}")
+        if not other.exists() or other.read_bytes() == content:
+            return other
+
+
+def _write(place: Path, content: bytes) -> None:
+    """The whole file or nothing of it, whatever happens meanwhile."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    half = place.with_name(f".{place.name}.{os.getpid()}")
+    try:
+        with half.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        half.replace(place)
+    finally:
+        half.unlink(missing_ok=True)
+
+
+def _digest(content: bytes) -> str:
+    return sha256(content).hexdigest()

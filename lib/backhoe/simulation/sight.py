@@ -5,6 +5,8 @@ What `rays` does in PyBullet, without it: the same surfaces, for either backend.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -54,14 +56,14 @@ class Sight:
             self._texture = Texture.of_noise(self._world.seed)
         return view(self.caster(), camera, T_world_camera, self._paints, self._texture)
 
-    def caster(self) -> RayCaster:
-        """The scene as it is now."""
+    def caster(self, frames: Mapping[str, NDArray] | None = None) -> RayCaster:
+        """The scene as it is now, or with the machine's links elsewhere: their poses (4, 4) [m]."""
         ground = self._world.ground
         fields = (
             [] if ground is None else [f for f in (ground.terrain, ground.bed) if f is not None]
         )
         versions = tuple(field.version for field in fields)
-        frames = link_frames(self._world)
+        frames = link_frames(self._world) if frames is None else frames
         poses = np.tile(np.eye(4), (len(self._bodies), 1, 1))
         poses[: len(self._links)] = [frames[link] for link in self._links]
         if self._caster is None or versions != self._versions:

@@ -19,7 +19,7 @@ def incidence(points: ArrayLike, origin: ArrayLike) -> NDArray:
     Args:
         points: of one scan or several, in the order of the beams, shape (..., n, 3) [m]; NaN where
             nothing came back.
-        origin: of the laser, shape (3,) [m].
+        origin: of the laser, shape (3,) [m]; of each scan where it moves, (..., 3).
 
     Returns:
         Shape (..., n - 1), from 0 to pi [rad]; NaN beside a beam without a point.
@@ -32,7 +32,13 @@ def incidence(points: ArrayLike, origin: ArrayLike) -> NDArray:
         raise ValueError(f"points must be two or more in a scan, (..., n, 3), got {points.shape}")
     if np.isinf(points).any():
         raise ValueError("points must be finite, or NaN where nothing came back, got an infinity")
-    back = numbers(origin, "origin", (3,), meaning="a point [m]") - points[..., :-1, :]
+    origin = numbers(origin, "origin", (..., 3), meaning="a point [m]")
+    if origin.shape not in ((3,), (*points.shape[:-2], 3)):
+        raise ValueError(
+            f"origin must be one point or one for each scan, {(*points.shape[:-2], 3)}, got shape "
+            f"{origin.shape}"
+        )
+    back = origin[..., None, :] - points[..., :-1, :]
     along = np.diff(points, axis=-2)
     across = np.linalg.norm(np.cross(back, along), axis=-1)
     return np.arctan2(across, np.sum(back * along, axis=-1))
@@ -53,7 +59,7 @@ def shadow_filter(
     neighbours. Source: Mastalli 2013, section 5.3.1, Fig. 5.7.
 
     Args:
-        points, origin: as for `incidence`, shapes (..., n, 3), (3,) [m].
+        points, origin: as for `incidence`, shapes (..., n, 3), (3,) or (..., 3) [m].
         least, most: angles that are accepted [rad].
         neighbours: points on each side of the gap that go; 1 for its two ends.
 

@@ -114,6 +114,13 @@ def cells(x, y, values):
     return Item("cells", np.concatenate([np.ravel(a) for a in (*np.meshgrid(x, y), values)]))
 
 
+def picture(values, edges, limits):
+    """A picture, values (rows, columns), between edges left, right, bottom, top; black, white."""
+    return Item(
+        "picture", np.concatenate([np.ravel(a).astype(float) for a in (edges, limits, values)])
+    )
+
+
 def part(draw: Callable) -> list[Item]:
     """What a drawing function of axes draws, as a part of more; it has a proof of its own."""
     ax = Figure().subplots()
@@ -125,7 +132,7 @@ def part(draw: Callable) -> list[Item]:
 
 def read(ax) -> Iterator[tuple[object, Item]]:
     """Each artist that can be seen in the axes, and what it shows."""
-    for one in (*ax.lines, *ax.patches, *ax.collections, *ax.texts):
+    for one in (*ax.images, *ax.lines, *ax.patches, *ax.collections, *ax.texts):
         if one.get_visible() and not (one in ax.lines and not len(one.get_xdata())):
             yield from ((one, item) for item in _items(ax, one))
 
@@ -191,7 +198,9 @@ def _corners(vertices: np.ndarray) -> np.ndarray:
 
 
 def _items(ax, one) -> Iterator[Item]:
-    if one in ax.lines:
+    if one in ax.images:
+        yield picture(one.get_array(), one.get_extent(), one.get_clim())
+    elif one in ax.lines:
         yield Item("line", np.asarray(one.get_xydata(), dtype=float), one.get_label())
     elif isinstance(one, Ellipse):
         spans = getattr(one, "theta1", 0.0), getattr(one, "theta2", 360.0)
@@ -283,6 +292,10 @@ def _spoil(ax, one, change: Callable) -> Callable[[], None]:
         before = one.get_data()
         one.set_data(*change(np.column_stack(before).astype(float)).T)
         return lambda: one.set_data(*before)
+    if one in ax.images:
+        before = one.get_array()
+        one.set_data(np.roll(before, 1, axis=int(change(np.eye(2))[0, 0] == 0)))
+        return lambda: one.set_data(before)
     if one in ax.texts:
         about = hasattr(one, "xy")
         before = one.xy if about else one.get_position()

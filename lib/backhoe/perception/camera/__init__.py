@@ -3,7 +3,8 @@
 - `pinhole`: projection, distortion and its removal
 - `epipolar`: essential and fundamental matrices, triangulation
 - `rectification`: a pair made parallel, maps, Q
-- `calibration`: a camera or a pair from pictures of a board
+- `corners`: a board's corners in a picture
+- `zhang`, `calibration`: a camera or a pair from such corners
 - `rotations`: axis times angle
 """
 
@@ -13,6 +14,7 @@ from backhoe.perception.camera.calibration import (
     calibrate_pair,
     chessboard,
 )
+from backhoe.perception.camera.corners import find_corners
 from backhoe.perception.camera.epipolar import (
     cross_matrix,
     eight_points,
@@ -25,6 +27,7 @@ from backhoe.perception.camera.epipolar import (
 from backhoe.perception.camera.pinhole import Pinhole
 from backhoe.perception.camera.rectification import Pair, Rectified, pixel_map, rectify, remap
 from backhoe.perception.camera.rotations import rotation, rotation_vector
+from backhoe.perception.camera.zhang import homography
 
 __all__ = [
     "Calibration",
@@ -38,7 +41,9 @@ __all__ = [
     "eight_points",
     "epipolar_lines",
     "essential_matrix",
+    "find_corners",
     "fundamental_matrix",
+    "homography",
     "pixel_map",
     "rectify",
     "relative_pose",

@@ -1,9 +1,7 @@
 """Calibration from pictures of a flat board, each corner of which is known.
 
-Zhang's method (2000): the homography from board to picture of each view gives two equations for
-the intrinsic matrix, then each view's pose; without distortion, and only as good as linear
-equations are. From there SciPy's least squares brings the distance between the corners seen and
-projected to its minimum over everything, distortion included.
+From the closed form of `zhang` SciPy's least squares brings the distance between the corners seen
+and projected to its minimum over everything, distortion included.
 """
 
 from __future__ import annotations
@@ -18,9 +16,7 @@ from backhoe.basics.inputs import alike, numbers, whole
 from backhoe.perception.camera.pinhole import Pinhole
 from backhoe.perception.camera.rectification import Pair
 from backhoe.perception.camera.rotations import nearest_rotation, rotation, rotation_vector
-
-_FLAT_VIEWS = 1e-7
-"""Zhang's equations are singular when their two least singular values are so small together."""
+from backhoe.perception.camera.zhang import board_poses, homography, intrinsic_matrix
 
 _STEP = 1e-6
 """Of central differences, a share of what they vary."""
@@ -65,8 +61,8 @@ def calibrate(
     """
     board = _board(object_points)
     seen = _views(image_points, "image_points", board, size)
-    K = _zhang(np.stack([_homography(board[:, :2], view) for view in seen]), size)
-    guess = _guess(board, seen, K)
+    K = intrinsic_matrix(np.stack([homography(board[:, :2], view) for view in seen]), size)
+    guess = board_poses(board, seen, K)
     start = np.r_[K[0, 0], K[1, 1], K[0, 2], K[1, 2], np.zeros(5), guess.ravel()]
 
     def errors(x: NDArray) -> NDArray:
@@ -145,6 +141,8 @@ def _board(points: ArrayLike) -> NDArray:
 
 def _views(points: ArrayLike, name: str, board: NDArray, size: tuple[int, int]) -> NDArray:
     width, height = (whole(side, "size", least=1) for side in size)
+    if lost := [view for view, found in enumerate(points) if found is None]:
+        raise ValueError(f"{name}: no board in view {lost[0]}: leave out views without a whole one")
     meaning = f"pixels of {len(board)} corners in each view"
     seen = numbers(points, name, ("views", len(board), 2), meaning=meaning)
     if len(seen) < 3:
@@ -157,70 +155,6 @@ def _views(points: ArrayLike, name: str, board: NDArray, size: tuple[int, int]) 
             f"of a picture of {width} x {height}: leave out views that show a part of the board"
         )
     return seen
-
-
-def _homography(plane: NDArray, pixels: NDArray) -> NDArray:
-    """H with pixels = H plane, both homogeneous, by the normalised linear method; (3, 3)."""
-    (x, T), (y, S) = (_normalised(points) for points in (plane, pixels))
-    none = np.zeros_like(x)
-    rows = np.vstack([np.c_[x, none, -y[:, :1] * x], np.c_[none, x, -y[:, 1:2] * x]])
-    H = np.linalg.svd(np.linalg.qr(rows, "r"))[2][8].reshape(3, 3)
-    return np.linalg.solve(S, H @ T)
-
-
-def _normalised(points: NDArray) -> tuple[NDArray, NDArray]:
-    middle, scale = points.mean(axis=0), points.std()
-    T = np.array([[1, 0, -middle[0]], [0, 1, -middle[1]], [0, 0, scale]]) / scale
-    return np.c_[points, np.ones(len(points))] @ T.T, T
-
-
-def _zhang(H: NDArray, size: tuple[int, int]) -> NDArray:
-    """K without skew from homographies (views, 3, 3): h1, h2 of each are orthonormal under B.
-
-    B = K^-T K^-1 has five unknowns without skew, in pixels of the picture's own size.
-    """
-    scale = np.diag([2 / sum(size), 2 / sum(size), 1.0])
-    H = scale @ H
-    H = H / np.linalg.norm(H, axis=(1, 2), keepdims=True)
-
-    def pair(i: int, j: int) -> NDArray:
-        a, b = H[:, :, i], H[:, :, j]
-        return np.stack(
-            [
-                a[:, 0] * b[:, 0],
-                a[:, 1] * b[:, 1],
-                a[:, 0] * b[:, 2] + a[:, 2] * b[:, 0],
-                a[:, 1] * b[:, 2] + a[:, 2] * b[:, 1],
-                a[:, 2] * b[:, 2],
-            ],
-            axis=-1,
-        )
-
-    rows = np.vstack([pair(0, 1), pair(0, 0) - pair(1, 1)])
-    _, sizes, V = np.linalg.svd(np.linalg.qr(rows, "r"))
-    A, C, D, E, F = V[4] * np.sign(V[4][0])
-    K = None
-    if sizes[3] > _FLAT_VIEWS * sizes[0] and A > 0 and C > 0:
-        cx, cy = -D / A, -E / C
-        weight = F - D * D / A - E * E / C
-        if weight > 0:
-            K = np.array([[np.sqrt(weight / A), 0, cx], [0, np.sqrt(weight / C), cy], [0, 0, 1]])
-    if K is None:
-        raise ValueError(
-            "image_points leave the camera open: tilt the board differently from view to view"
-        )
-    return np.linalg.inv(scale) @ K
-
-
-def _guess(board: NDArray, seen: NDArray, K: NDArray) -> NDArray:
-    """The board's pose in each view, rotation vector and position, (views, 6) [rad, m]."""
-    poses = []
-    for view in seen:
-        h = np.linalg.solve(K, _homography(board[:, :2], view))
-        h *= np.sign(h[2, 2]) * 2 / (np.linalg.norm(h[:, 0]) + np.linalg.norm(h[:, 1]))
-        R = nearest_rotation(np.stack([h[:, 0], h[:, 1], np.cross(h[:, 0], h[:, 1])], axis=-1))
-        poses.append(np.r_[rotation_vector(R), h[:, 2]])
-    return np.array(poses)
 
 
 def _placed(board: NDArray, poses: NDArray) -> NDArray:

@@ -84,7 +84,9 @@ def rectify(pair: Pair) -> Rectified:
 
     Raises:
         ValueError: the right camera is above, below or left of the left one.
+        TypeError: a pair that is none.
     """
+    instance(pair, "pair", Pair, "calibrate the pair first")
     half = rotation(rotation_vector(pair.R) / -2)
     t = half @ pair.t
     if not -t[0] > np.abs(t[1:]).max():

@@ -1,0 +1,74 @@
+"""The pair of cameras of lesson 08a, as it is mounted, and the boards that it is calibrated with.
+
+Nobody mounts two cameras quite parallel, and no two lenses are alike: the lesson finds these
+numbers from pictures.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backhoe.perception.camera import Pair, Pinhole, chessboard, rotation
+
+__all__ = ["COLUMNS", "PAIR", "ROWS", "SQUARE", "held", "photograph", "photographed_corners"]
+
+_LENS = np.array([-0.28, 0.07, 0.0011, -0.0006, 0.0])
+_SIZE = (640, 480)
+
+PAIR = Pair(
+    Pinhole([[548, 0, 323], [0, 546, 237], [0, 0, 1]], _SIZE, _LENS),
+    Pinhole([[541, 0, 316], [0, 543, 245], [0, 0, 1]], _SIZE, 0.9 * _LENS),
+    rotation([0.012, -0.025, 0.015]),
+    np.array([-0.40, 0.006, -0.010]),
+)
+
+COLUMNS, ROWS, SQUARE = 9, 6, 0.1
+"""Inner corners along and across; side of a square [m]."""
+
+_EDGE = 12.0
+"""Between a corner of a board that is seen whole and the picture's edge, at least [pixels]."""
+
+_DATA = Path(__file__).resolve().parents[4] / "data" / "stereo"
+
+
+def held(pair: Pair, count: int, seed: int, tilt: float = 0.6) -> NDArray:
+    """Poses of a board that both cameras see whole, in the left one's frame.
+
+    Args:
+        pair: the cameras.
+        count: of poses.
+        seed: the same gives the same poses.
+        tilt: the board is turned by up to so much about each of three axes [rad].
+
+    Returns:
+        Shape (count, 4, 4) [m], for `perception.picture.chessboard_pictures`.
+    """
+    board = chessboard(COLUMNS, ROWS, SQUARE)
+    rng, poses = np.random.default_rng([seed, 8]), []
+    to_right = np.block([[pair.R, pair.t[:, None]], [np.eye(4)[3:]]])
+    while len(poses) < count:
+        T = np.eye(4)
+        T[:3, :3] = rotation(rng.uniform(-tilt, tilt, 3))
+        middle = rng.uniform(1.1, 2.4) * np.r_[rng.uniform([-0.4, -0.4], [0.6, 0.4]), 1.0]
+        T[:3, 3] = middle - T[:3, :3] @ board.mean(axis=0)
+        if _whole(pair.left, T, board) and _whole(pair.right, to_right @ T, board):
+            poses.append(T)
+    return np.array(poses)
+
+
+def photograph() -> NDArray:
+    """A real board, 9 x 6 inner corners, in a real room: shape (480, 640), uint8 [grey levels]."""
+    return np.load(_DATA / "board.npz")["photograph"]
+
+
+def photographed_corners() -> NDArray:
+    """Of that board, squares of 25 mm, in 14 photographs of 640 x 480, (14, 54, 2) [pixels]."""
+    return np.load(_DATA / "corners.npz")["corners"]
+
+
+def _whole(camera: Pinhole, T: NDArray, board: NDArray) -> bool:
+    pixels = camera.project(board @ T[:3, :3].T + T[:3, 3])
+    return bool((np.abs(pixels - (np.array(_SIZE) - 1) / 2) < np.array(_SIZE) / 2 - _EDGE).all())

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 
 import cv2
 import numpy as np
@@ -105,24 +105,72 @@ def measure_rays() -> list[bool]:
     ]
 
 
-def measure_pair_and_calibration() -> None:
+def dig(world: simulation.World) -> None:
+    """Change the terrain, so that it must be drawn anew."""
+    world.ground.terrain.lay((5.0, 0.3), (6.0, 0.9), 0.002)
+
+
+def measure_pair() -> list[bool]:
+    """A pair of pictures of terrain that has just changed."""
     lens, eye = camera.Pinhole.of_view((640, 480), np.radians(60)), np.array([1.3, -1.1, 2.9])
-    right = np.array([0.0, 1.0, 0.0])
+    poses = [looking(eye + [0, side, 0], (6.0, side, 0.4)) for side in (0.0, -0.4)]
+    results = []
     with simulation.open_world(backend="analytic") as world:
         sight = Sight(world)
-        poses = [looking(eye + side * right, (6.0, side, 0.4)) for side in (0.0, -0.4)]
-        (pair,) = best_times(lambda: [sight.look(lens, T) for T in poses], repeats=7)
+
+        def pair() -> list:
+            dig(world)
+            return [sight.look(lens, T) for T in poses]
+
+        def by_rays() -> list:
+            return [sight.look(bent, T) for T in poses]
+
+        bent = camera.Pinhole(lens.K, lens.size, [1e-15, 0, 0, 0, 0])
+        for drawn, cast in zip(pair(), by_rays(), strict=True):
+            apart = np.nan_to_num(np.abs(drawn.depth - cast.depth))
+            same = (apart < 1e-6) & (np.isnan(drawn.depth) == np.isnan(cast.depth))
+            results.append(report("pixels with the depth of rays", same.mean(), 0.9999, least=True))
+        (wall,) = best_times(pair, repeats=15)
+        alone = min(timed(pair, process_time) for _ in range(15))
+        results.append(report("a pair of 640x480, new terrain, depth [ms]", 1e3 * wall, 100))
+        print(f"  {1e3 * alone:.0f} ms of the processor, on however many cores")
+    return results
+
+
+def measure_rendered_pair() -> list[bool]:
+    """The same by PyBullet's renderer, without depth."""
+    eye = np.array([1.3, -1.1, 2.9])
+    with simulation.open_world(backend="pybullet") as world:
+
+        def pair() -> list:
+            dig(world)
+            return [
+                world.render(
+                    640, 480, eye + [0, side, 0], (6.0, side, 0.4), np.radians(47), shadow=False
+                )
+                for side in (0.0, -0.4)
+            ]
+
+        (wall,) = best_times(pair, repeats=9)
+    return [report("a pair of 640x480, new terrain, by PyBullet [ms]", 1e3 * wall, 250)]
+
+
+def measure_calibration() -> None:
     corners = np.load(DATA / "corners.npz")["corners"]
     board = camera.chessboard(9, 6, 0.025)
     (found,) = best_times(lambda: camera.calibrate(board, corners, (640, 480)), repeats=3)
-    print(
-        f"a pair of 640x480 with true depth: {1e3 * pair:.0f} ms; calibration: {1e3 * found:.0f} ms"
-    )
+    print(f"calibration from {len(corners)} pictures: {1e3 * found:.0f} ms")
+
+
+def timed(function: Callable[[], object], clock: Callable[[], float]) -> float:
+    start = clock()
+    function()
+    return clock() - start
 
 
 def main() -> int:
-    results = [*measure_matcher(), *measure_rays()]
-    measure_pair_and_calibration()
+    results = [*measure_pair(), *measure_rendered_pair(), *measure_matcher(), *measure_rays()]
+    measure_calibration()
     return 0 if all(results) else 1
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from backhoe.perception import stereo
-from backhoe.perception.camera import Pinhole
+from backhoe.perception.camera import Pinhole, rotation
 from backhoe.perception.picture import Paint, Texture, engine, looking, loops, smooth_noise, view
-from backhoe.perception.rays import Body, HeightField, RayCaster
+from backhoe.perception.rays import Body, HeightField, RayCaster, raster
 from backhoe.view import shapes
 
 CAMERA = Pinhole.of_view((320, 240), np.radians(60))
@@ -115,7 +115,7 @@ def test_the_compiled_light_is_the_plain_one():
     vector = np.c_[np.ones(200), rng.uniform(-0.3, 0.3, (200, 1)), rng.uniform(-0.6, 0.1, (200, 1))]
     hits = caster.cast([0.0, 0.0, 2.0], vector)
     table = np.array([[0.5, 0.3, 0.5], [0.7, 0.2, 0.4]])
-    rest = caster.poses, caster.fields, table, TEXTURE.levels, 1024, 10.24, 1 / F
+    rest = caster.scene.bodies, caster.fields, table, TEXTURE.levels, 1024, 10.24, 1 / F
     grey = []
     for module in (loops, engine):
         grey.append(np.empty(200, np.uint8))
@@ -123,6 +123,96 @@ def test_the_compiled_light_is_the_plain_one():
         module.shade(hits.points, hits.t, vector, hits.surface, hits.normal, *rest, sun, grey[-1])
     np.testing.assert_array_equal(*grey)
     assert len(np.unique(grey[0])) > 30 and set(hits.surface) == {-1, 0, 1}
+
+
+def cluttered(plain=True):
+    """Rough ground, a second field on it, and turned bodies, one of them around the first eye."""
+    rng = np.random.default_rng(4)
+    fields = [
+        HeightField(rng.uniform(0, 0.7, (60, 50)), 0.3, (-4, -9)),
+        HeightField(rng.uniform(0.5, 1, (8, 9)), 0.25, (5, 1)),
+    ]
+    bodies = [
+        Body(*shapes.box((-1, -0.6, -0.4), (1, 0.6, 0.4))),
+        Body(*shapes.cylinder((0, 0, 0), (1.5, 1, 2), 0.3)),
+        Body(*shapes.box((-2, -2, -2), (2, 2, 2))),
+    ]
+    poses = np.tile(np.eye(4), (3, 1, 1))
+    poses[:, :3, :3] = [rotation(turn) for turn in ([0.3, -0.5, 1.1], [2, 0, 0.4], [0.1, 0.2, 0.3])]
+    poses[:, :3, 3] = [[4, 1, 1.2], [3, -2, 0.8], [-30, 0, 5]]
+    return RayCaster(fields, bodies, poses, plain=plain), [SOIL, SOIL, SOIL, SHEET, SOIL, SOIL]
+
+
+EYES = {
+    "ahead": ((0, 0, 2.2), (5, 0, 0.2)),
+    "along the ground": ((-3.5, 0.1, 0.75), (8, 1, 0.7)),
+    "from above": ((3, 0.3, 7), (3.2, 0.3, 0)),
+    "from below": ((2, 0, -1.5), (5, 1, 2)),
+    "inside a box": ((-30, 0, 5), (0, 1, 4)),
+    "upwards": ((3, -2, 0.2), (3.3, -2, 9)),
+}
+
+
+@pytest.mark.parametrize("plain", [True, False])
+@pytest.mark.parametrize("where", EYES)
+def test_a_picture_by_triangles_is_the_picture_by_rays(where, plain):
+    caster, paints = cluttered(plain)
+    paints, T = paints[: caster.surfaces], looking(*EYES[where])
+    seen = view(caster, CAMERA, T, paints, TEXTURE)
+    columns, rows = np.meshgrid(np.arange(320), np.arange(240))
+    rays = np.c_[
+        CAMERA.undistort(np.c_[columns.ravel(), rows.ravel()].astype(float)), np.ones(76800)
+    ]
+    hits = caster.cast(T[:3, 3], rays @ T[:3, :3].T)
+    depth = np.where(np.isfinite(hits.t), hits.t, np.nan).reshape(240, 320)
+    same = (np.abs(seen.depth - depth) < 1e-6) | (np.isnan(seen.depth) & np.isnan(depth))
+    assert (~same).sum() <= 2, "but for rays along an edge"
+    assert (seen.surface.ravel() != hits.surface).sum() <= 2
+    bent = Pinhole(CAMERA.K, CAMERA.size, [1e-12, 0, 0, 0, 0])
+    other = view(caster, bent, T, paints, TEXTURE)
+    assert (other.grey != seen.grey).sum() <= 4
+
+
+def test_a_triangle_behind_the_camera_is_not_seen():
+    corners = np.array([[-1.0, -1, -2], [1, -1, -3], [0, 2, -1]])
+    out = np.zeros((4, 5)), np.full((4, 5), -1, np.int32)
+    raster.fill(*corners, 7, (2.0, 2.0, 2.0, 2.0), 0, 4, 5, *out)
+    assert (out[1] == -1).all()
+    raster.fill(*-corners, 7, (2.0, 2.0, 2.0, 2.0), 0, 4, 5, *out)
+    assert (out[1] == 7).any()
+
+
+def test_of_two_surfaces_in_one_place_the_first_is_seen():
+    lid = Body(*shapes.box((-1, -1, -0.5), (1, 1, 0.0)))
+    caster = RayCaster([HeightField(np.zeros((9, 9)), 0.25, (-1, -1))], [lid])
+    seen = view(caster, CAMERA, looking((0.1, 0.2, 1), (0.2, 0.2, 0)), [SOIL, SHEET], TEXTURE)
+    down = caster.cast(
+        [0.1, 0.2, 1], np.c_[np.random.default_rng(0).uniform(-1, 1, (500, 2)), -2 * np.ones(500)]
+    )
+    assert set(seen.surface.ravel()) == {0} and set(down.surface) == {0}
+
+
+def test_the_compiled_picture_is_the_plain_one():
+    caster, _ = cluttered()
+    K, T = np.array([[20.0, 0, 12], [0, 20, 9], [0, 0, 1]]), looking(*EYES["ahead"])
+    nearest, which = caster.covered(K, T, 25)(2, 17)
+    plain = np.zeros((15, 25)), np.full((15, 25), -1, np.int32)
+    lens = 20.0, 20.0, 12.0, 9.0
+    corners, triangles = caster._before(T)
+    raster.cover(caster.scene.fields, corners, triangles, lens, 2, 17, 25, *plain)
+    np.testing.assert_allclose(plain[0], nearest, rtol=1e-9)
+    np.testing.assert_array_equal(plain[1], which)
+    table = np.array([[0.5, 0.3, 0.5]] * 6)
+    sun, filled = np.array([0.0, 0.6, 0.8]), []
+    for module in (loops, engine):
+        out = np.empty((15, 25)), np.empty((15, 25), int), np.empty((15, 25), np.uint8)
+        how = table, TEXTURE.levels, 1024, 10.24, sun
+        with np.errstate(all="ignore"):
+            module.show(caster.scene, caster.owners, nearest, which, T, lens, 2, *how, *out)
+        filled.append(out)
+    for one, other in zip(*filled, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+    assert len(set(filled[0][1].ravel())) >= 4
 
 
 def test_a_level_camera_looks_where_it_is_told():
@@ -139,8 +229,10 @@ def test_a_level_camera_looks_where_it_is_told():
         (lambda: looking((1, 1, 1), (1, 1, 5)), ValueError, "from above"),
         (lambda: Paint(1.5), ValueError, "brightness"),
         (lambda: Texture.of_noise(0, pixels=100), ValueError, "power of two"),
+        (lambda: Texture(np.zeros(9), 8, 1.0), ValueError, "levels"),
         (lambda: smooth_noise(-1), ValueError, "seed"),
         (lambda: view(scene()[0], CAMERA, np.eye(4), [SOIL], TEXTURE), ValueError, "each of 2"),
+        (lambda: view(scene()[0], CAMERA, 2 * np.eye(4), [SOIL] * 2, TEXTURE), ValueError, "rigid"),
         (lambda: view(scene()[0], None, np.eye(4), [SOIL], TEXTURE), TypeError, "Pinhole"),
         (lambda: view(scene()[0], CAMERA, np.eye(3), [SOIL] * 2, TEXTURE), ValueError, "4, 4"),
     ],

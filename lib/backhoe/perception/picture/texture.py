@@ -58,11 +58,20 @@ class Texture:
         levels: all copies, one after the other, each half as wide as the one before, (n,) [1].
         pixels: of the first along each side; a power of two.
         side: of the tile [m].
+
+    Raises:
+        ValueError: pixels is no power of two, another number of levels, or a side not above 0.
     """
 
     levels: NDArray
     pixels: int
     side: float
+
+    def __post_init__(self) -> None:
+        pixels = _power_of_two(self.pixels, 2)
+        levels = numbers(self.levels, "levels", ((4 * pixels * pixels - 1) // 3,))
+        object.__setattr__(self, "levels", np.ascontiguousarray(levels))
+        object.__setattr__(self, "side", positive(self.side, "side", "m"))
 
     @classmethod
     def of_noise(cls, seed: int, side: float = 10.24, pixels: int = 1024) -> Texture:
@@ -71,11 +80,16 @@ class Texture:
         Raises:
             ValueError: pixels is no power of two, or as `smooth_noise` raises.
         """
-        if whole(pixels, "pixels", least=8) & (pixels - 1):
-            raise ValueError(f"pixels must be a power of two, got {pixels}")
+        _power_of_two(pixels, 8)
         level = smooth_noise(seed, WAVELENGTHS, side, pixels) / np.sqrt(len(WAVELENGTHS))
         levels = [level.ravel()]
         while len(level) > 1:
             level = (level[::2, ::2] + level[1::2, ::2] + level[::2, 1::2] + level[1::2, 1::2]) / 4
             levels.append(level.ravel())
         return cls(np.concatenate(levels), pixels, side)
+
+
+def _power_of_two(pixels: int, least: int) -> int:
+    if whole(pixels, "pixels", least=least) & (pixels - 1):
+        raise ValueError(f"pixels must be a power of two, got {pixels}")
+    return pixels

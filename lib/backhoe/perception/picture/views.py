@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,10 @@ from backhoe.perception.rays import RayCaster
 SUN = np.array([-0.36, -0.48, 0.80])
 """Direction to the light."""
 
-TILE = 8192
+STRIPES = 8
+"""Parts of a picture that threads make side by side."""
+
+_LIGHT = SUN / np.linalg.norm(SUN)
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,8 @@ def view(
 ) -> View:
     """A picture with true depth, one ray a pixel; the lens's distortion included.
 
+    Without distortion triangles are drawn, which gives what the rays give, several times as fast.
+
     Args:
         caster: what there is to see.
         camera: its lens and size.
@@ -97,42 +102,71 @@ def view(
     coats = [instance(paint, "paint", Paint) for paint in paints]
     table = np.array([[p.brightness, p.contrast, p.ambient] for p in coats])
     T = numbers(T_world_camera, "T_world_camera", (4, 4), meaning="a pose")
+    if np.abs(T[:3, :3] @ T[:3, :3].T - np.eye(3)).max() > 1e-6:
+        raise ValueError("T_world_camera must be rigid: a rotation R with R R^T = 1")
     width, height = camera.size
-    pixels = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).astype(float)
-    plane = camera.undistort(pixels.reshape(-1, 2))
-    blind = np.isnan(plane[:, 0])
-    plane[blind] = 0.0
-    vector = np.c_[plane, np.ones(len(plane))] @ T[:3, :3].T
-    hits = caster.cast(T[:3, 3], vector)
+    shape = height, width
+    depth, surface = np.empty(shape), np.empty(shape, dtype=np.int64)
+    grey = np.empty(shape, dtype=np.uint8)
+    how = table, texture.levels, texture.pixels, texture.side
+    make = _through_lens if camera.distortion.any() else _straight
+    for_each_tile(make(caster, camera, T, how, depth, surface, grey), height, -(-height // STRIPES))
+    return View(grey, np.where(surface >= 0, depth, np.nan), surface)
 
+
+def _straight(
+    caster: RayCaster,
+    camera: Pinhole,
+    T: NDArray,
+    how: tuple,
+    depth: NDArray,
+    surface: NDArray,
+    grey: NDArray,
+) -> Callable[[slice], None]:
+    """A function that fills rows of a picture taken without distortion, a triangle after the
+    other."""
     from backhoe.perception.picture import engine
 
-    grey, sun = np.empty(len(plane), dtype=np.uint8), SUN / np.linalg.norm(SUN)
+    K, covered = camera.K, caster.covered(camera.K, T, camera.size[0])
+    lens = K[0, 0], K[1, 1], K[0, 2], K[1, 2]
 
-    def some(part: slice) -> None:
+    def some(rows: slice) -> None:
+        nearest, which = covered(rows.start, rows.stop)
+        scene, owners = caster.scene, caster.owners
+        filled = depth[rows], surface[rows], grey[rows]
+        engine.show(scene, owners, nearest, which, T, lens, rows.start, *how, _LIGHT, *filled)
+
+    return some
+
+
+def _through_lens(
+    caster: RayCaster,
+    camera: Pinhole,
+    T: NDArray,
+    how: tuple,
+    depth: NDArray,
+    surface: NDArray,
+    grey: NDArray,
+) -> Callable[[slice], None]:
+    """As `_straight`, for a lens that bends the rays: each is cast on its own."""
+    from backhoe.perception.picture import engine
+
+    def some(rows: slice) -> None:
+        columns = np.arange(camera.size[0])
+        pixels = np.stack(np.meshgrid(columns, np.arange(rows.start, rows.stop)), axis=-1)
+        plane = camera.undistort(pixels.reshape(-1, 2).astype(float))
+        blind = np.isnan(plane[:, 0])
+        plane[blind] = 0.0
+        vector = np.c_[plane, np.ones(len(plane))] @ T[:3, :3].T
+        hits = caster.cast(T[:3, 3], vector)
+        seen = hits.points, hits.t, vector, hits.surface, hits.normal
+        light = np.empty(len(plane), dtype=np.uint8)
         engine.shade(
-            hits.points[part],
-            hits.t[part],
-            vector[part],
-            hits.surface[part],
-            hits.normal[part],
-            caster.poses,
-            caster.fields,
-            table,
-            texture.levels,
-            texture.pixels,
-            texture.side,
-            1 / camera.K[0, 0],
-            sun,
-            grey[part],
+            *seen, caster.scene.bodies, caster.fields, *how, 1 / camera.K[0, 0], _LIGHT, light
         )
+        shape = depth[rows].shape
+        depth[rows] = hits.t.reshape(shape)
+        surface[rows] = np.where(blind, -1, hits.surface).reshape(shape)
+        grey[rows] = np.where(blind, 0, light).reshape(shape)
 
-    for_each_tile(some, len(plane), TILE)
-    grey[blind] = 0
-    hit = (hits.surface >= 0) & ~blind
-    shape = height, width
-    return View(
-        grey.reshape(shape),
-        np.where(hit, hits.t, np.nan).reshape(shape),
-        np.where(hit, hits.surface, -1).reshape(shape),
-    )
+    return some

@@ -2,7 +2,7 @@
 
 - `caster`: heightmaps, bodies, and the casting of many rays
 - `tree`: boxes over a body's triangles
-- `loops`: a ray's way, written once
+- `loops`: a ray's way, `raster`: what a camera's pixels see, written once
 - `engine`: the same, compiled
 """
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -114,6 +114,7 @@ class RayCaster:
         for body in bodies:
             instance(body, "body", Body)
         self._bodies = list(bodies)
+        self._owners = np.repeat(np.arange(len(bodies)), [len(b.triangles) for b in bodies])
         hole = np.zeros(5)
         if plain:
             hole[4] = positive(reach, "reach", "m")
@@ -137,9 +138,14 @@ class RayCaster:
         return self.fields + len(self._bodies) + int(self._scene.plain[4] > 0)
 
     @property
-    def poses(self) -> NDArray:
-        """The bodies' rows of `loops.Surfaces`, shape (bodies, 17) [m]."""
-        return self._scene.bodies
+    def scene(self) -> Surfaces:
+        """All of it as the loops take it [m]."""
+        return self._scene
+
+    @property
+    def owners(self) -> NDArray:
+        """Number of the body that each triangle belongs to, shape (t,) [1]."""
+        return self._owners
 
     def pose(self, poses: ArrayLike) -> None:
         """Move the bodies to poses in the world, shape (bodies, 4, 4) [m]."""
@@ -197,6 +203,54 @@ class RayCaster:
         hit = np.isfinite(t)
         points = start + np.where(hit, t, np.nan)[:, None] * vector
         return Hits(t, surface, normal, points)
+
+    def covered(
+        self, K: NDArray, T: NDArray, width: int
+    ) -> Callable[[int, int], tuple[NDArray, NDArray]]:
+        """Prepare what a camera without distortion sees of fields and bodies, for `picture.view`.
+
+        Args:
+            K: intrinsic matrix, shape (3, 3) [pixels].
+            T: the camera's pose in the world, shape (4, 4) [m]: x right, y down, z ahead.
+            width: of the picture [pixels].
+
+        Returns:
+            A function of the first row and the one after the last: inverse depths [1/m] and numbers
+            of triangles as `raster.cover` has them, -1 for none, shape (rows, width) each.
+        """
+        from backhoe.perception.rays import engine
+
+        corners, triangles = self._before(T)
+        fields = self._scene.fields
+        lens = K[0, 0], K[1, 1], K[0, 2], K[1, 2]
+
+        def rows(top: int, bottom: int) -> tuple[NDArray, NDArray]:
+            shape = bottom - top, width
+            nearest, which = np.zeros(shape), np.full(shape, -1, dtype=np.int32)
+            engine.cover(fields, corners, triangles, lens, top, bottom, width, nearest, which)
+            return nearest, which
+
+        return rows
+
+    def _before(self, T: NDArray) -> tuple[NDArray, NDArray]:
+        """Heights' points (n, 3) and bodies' triangles (t, 9) in a camera's frame [m]."""
+        scene, R, eye = self._scene, T[:3, :3], T[:3, 3]
+        corners = (_points(scene) - eye) @ R
+        turns = scene.bodies[:, :9].reshape(-1, 3, 3)
+        triangles = scene.triangles.reshape(-1, 3, 3) @ (turns @ R)[self._owners]
+        starts = np.einsum("bji,bj->bi", turns, scene.bodies[:, 9:12]) + eye
+        triangles[:, 0] -= (starts @ R)[self._owners]
+        return corners, triangles.reshape(-1, 9)
+
+
+def _points(scene: Surfaces) -> NDArray:
+    """Where the heights of all fields are, shape (n, 3) [m]."""
+    points = [np.empty((0, 3))]
+    for x0, y0, cell, rows, columns, first in scene.fields[:, :6].tolist():
+        i, j = np.divmod(np.arange(int(rows * columns)), int(columns))
+        z = scene.heights[int(first) : int(first) + len(i)]
+        points.append(np.stack([x0 + cell * j, y0 + cell * i, z], axis=-1))
+    return np.concatenate(points)
 
 
 def _ground(fields: Sequence[HeightField]) -> tuple[NDArray, NDArray, NDArray, NDArray]:

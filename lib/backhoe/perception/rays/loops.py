@@ -20,6 +20,11 @@ DEPTH = 64
 """Most open boxes while a ray descends a tree."""
 
 
+TIE = 1e-9
+"""Share by which a body must be nearer than what came before it: of two surfaces in one place the
+first is seen, not now the one, now the other as rounding has it."""
+
+
 class Surfaces(NamedTuple):
     """All that rays can hit, as arrays, lengths in m.
 
@@ -217,43 +222,73 @@ def hit_body(bodies, boxes, tree, triangles, i, sx, sy, sz, vx, vy, vz, most, st
     return (best, which) if which >= 0 else (inf, -1)
 
 
+def plain_at(plain, sx, sy, sz, vx, vy, vz, most):
+    """t where a ray meets the plain around the first heightmap, inf where it does not."""
+    if not plain[4] > 0 or vz == 0.0:
+        return inf
+    t = -sz / vz
+    x, y = sx + t * vx, sy + t * vy
+    inside = plain[0] < x < plain[1] and plain[2] < y < plain[3]
+    hit = 0.0 <= t < most and not inside and abs(x) <= plain[4] and abs(y) <= plain[4]
+    return t if hit else inf
+
+
+def meet(scene, stack, sx, sy, sz, vx, vy, vz, most):
+    """What a ray meets first: t, surface, slopes along x and y, and the triangle of a body."""
+    fields, heights, low, high, bodies, boxes, tree, triangles, plain = scene
+    best, which, slope_x, slope_y, triangle = most, -1, 0.0, 0.0, -1
+    for k in range(len(fields)):
+        t, a, b = hit_field(fields, heights, low, high, k, sx, sy, sz, vx, vy, vz, best)
+        if t < best:
+            best, which, slope_x, slope_y = t, k, a, b
+    for i in range(len(bodies)):
+        limit = best * (1 - TIE)
+        t, k = hit_body(bodies, boxes, tree, triangles, i, sx, sy, sz, vx, vy, vz, limit, stack)
+        if t < limit:
+            best, which, triangle = t, len(fields) + i, k
+    t = plain_at(plain, sx, sy, sz, vx, vy, vz, best)
+    if t < best:
+        best, which, slope_x, slope_y, triangle = t, len(fields) + len(bodies), 0.0, 0.0, -1
+    return (best if which >= 0 else inf), which, slope_x, slope_y, triangle
+
+
+def slope_normal(slope_x, slope_y):
+    """Normal of a surface with slopes along x and y, upwards, three numbers."""
+    length = sqrt(1 + slope_x * slope_x + slope_y * slope_y)
+    return -slope_x / length, -slope_y / length, 1 / length
+
+
+def triangle_normal(bodies, triangles, i, k):
+    """Normal in the world of triangle k, which is one of body i's, three numbers."""
+    ax, ay, az = triangles[k, 3], triangles[k, 4], triangles[k, 5]
+    bx, by, bz = triangles[k, 6], triangles[k, 7], triangles[k, 8]
+    nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+    length = sqrt(nx * nx + ny * ny + nz * nz)
+    return (
+        (bodies[i, 0] * nx + bodies[i, 3] * ny + bodies[i, 6] * nz) / length,
+        (bodies[i, 1] * nx + bodies[i, 4] * ny + bodies[i, 7] * nz) / length,
+        (bodies[i, 2] * nx + bodies[i, 5] * ny + bodies[i, 8] * nz) / length,
+    )
+
+
 def cast(scene, start, vector, most, hits, surface, normal):
     """Fill t (n,), surface (n,) and normal (n, 3) of rays, start and vector (n, 3) each."""
     stack = np.empty(DEPTH, dtype=np.int64)
-    fields, heights, low, high, bodies, boxes, tree, triangles, plain = scene
-    x0, x1, y0, y1, reach = plain[0], plain[1], plain[2], plain[3], plain[4]
     for n in range(len(start)):
-        sx, sy, sz = start[n, 0], start[n, 1], start[n, 2]
-        vx, vy, vz = vector[n, 0], vector[n, 1], vector[n, 2]
-        best, which, slope_x, slope_y, triangle = most, -1, 0.0, 0.0, -1
-        for k in range(len(fields)):
-            t, a, b = hit_field(fields, heights, low, high, k, sx, sy, sz, vx, vy, vz, best)
-            if t < best:
-                best, which, slope_x, slope_y = t, k, a, b
-        for i in range(len(bodies)):
-            t, k = hit_body(bodies, boxes, tree, triangles, i, sx, sy, sz, vx, vy, vz, best, stack)
-            if t < best:
-                best, which, triangle = t, len(fields) + i, k
-        if reach > 0 and vz != 0.0:
-            t = -sz / vz
-            x, y = sx + t * vx, sy + t * vy
-            inside = x0 < x < x1 and y0 < y < y1
-            if 0.0 <= t < best and not inside and abs(x) <= reach and abs(y) <= reach:
-                best, which, slope_x, slope_y = t, len(fields) + len(bodies), 0.0, 0.0
-        surface[n], hits[n] = which, best if which >= 0 else inf
-        i = which - len(fields)
-        if 0 <= i < len(bodies):
-            ax, ay, az = triangles[triangle, 3], triangles[triangle, 4], triangles[triangle, 5]
-            bx, by, bz = triangles[triangle, 6], triangles[triangle, 7], triangles[triangle, 8]
-            nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-            length = sqrt(nx * nx + ny * ny + nz * nz)
-            for k in range(3):
-                across = bodies[i, k] * nx + bodies[i, k + 3] * ny + bodies[i, k + 6] * nz
-                normal[n, k] = across / length
+        hits[n], surface[n], slope_x, slope_y, triangle = meet(
+            scene,
+            stack,
+            start[n, 0],
+            start[n, 1],
+            start[n, 2],
+            vector[n, 0],
+            vector[n, 1],
+            vector[n, 2],
+            most,
+        )
+        if triangle >= 0:
+            i = surface[n] - len(scene.fields)
+            nx, ny, nz = triangle_normal(scene.bodies, scene.triangles, i, triangle)
         else:
-            length = sqrt(1 + slope_x * slope_x + slope_y * slope_y)
-            normal[n, 0], normal[n, 1], normal[n, 2] = (
-                -slope_x / length,
-                -slope_y / length,
-                1 / length,
-            )
+            nx, ny, nz = slope_normal(slope_x, slope_y)
+        normal[n, 0], normal[n, 1], normal[n, 2] = nx, ny, nz

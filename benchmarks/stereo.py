@@ -113,7 +113,7 @@ def dig(world: simulation.World) -> None:
 def measure_pair() -> list[bool]:
     """A pair of pictures of terrain that has just changed."""
     lens, eye = camera.Pinhole.of_view((640, 480), np.radians(60)), np.array([1.3, -1.1, 2.9])
-    poses = [looking(eye + [0, side, 0], (6.0, side, 0.4)) for side in (0.0, -0.4)]
+    poses = [looking(eye + np.array([0, side, 0]), (6.0, side, 0.4)) for side in (0.0, -0.4)]
     results = []
     with simulation.open_world(backend="analytic") as world:
         sight = Sight(world)
@@ -146,7 +146,7 @@ def measure_rendered_pair() -> list[bool]:
             dig(world)
             return [
                 world.render(
-                    640, 480, eye + [0, side, 0], (6.0, side, 0.4), np.radians(47), shadow=False
+                    640, 480, eye + np.array([0, side, 0]), (6.0, side, 0.4), np.radians(47), shadow=False
                 )
                 for side in (0.0, -0.4)
             ]

@@ -6,6 +6,7 @@ picture, so that looking never changes the motion.
 
 from __future__ import annotations
 
+import itertools
 import tempfile
 from collections.abc import Sequence
 from math import cos, sin
@@ -34,6 +35,9 @@ SUN = np.array([-0.36, -0.48, 0.80])
 """Direction to the light."""
 
 AMBIENT, DIFFUSE = 0.55, 0.6
+TILE = 32
+"""Cells along each side of a part of the ground that is drawn anew as a whole."""
+
 THIN = 0.01
 """Soil thinner than this is not drawn on the truck's floor [m]."""
 
@@ -55,6 +59,7 @@ class Renderer:
         self._world = world
         self._folder = tempfile.TemporaryDirectory(prefix="backhoe-")
         self._shown: dict[str, tuple[object, int | None]] = {}
+        self._versions: dict[str, object] = {}
         path = Path(self._folder.name) / "ground.png"
         path.write_bytes(texture.png(texture.ground(world.seed)))
         self._texture = self._server.loadTexture(str(path))
@@ -195,14 +200,23 @@ class Renderer:
         heights: NDArray,
         visible: bool = True,
     ) -> None:
-        """Draw a heightmap, anew only when its version has changed."""
-        if self._shown.get(name, (None, None))[0] == version:
+        """Draw a heightmap in tiles, anew only those that have changed since its last version."""
+        if self._versions.get(name) == version:
             return
-        self._remove(name)
-        body = None
-        if visible:
-            body = self._add_ground(shapes.grid(*grid, heights), _grid_normals(heights, grid))
-        self._shown[name] = (version, body)
+        self._versions[name] = version
+        normals = _grid_normals(heights, grid)
+        for top, left in itertools.product(*(range(0, side - 1, TILE) for side in heights.shape)):
+            around = tuple(slice(max(first - 1, 0), first + TILE + 2) for first in (top, left))
+            seen = heights[around].tobytes() if visible else None
+            key = f"{name} {top} {left}"
+            if self._shown.get(key, (None, None))[0] == seen:
+                continue
+            self._remove(key)
+            part, body = np.s_[top : top + TILE + 1, left : left + TILE + 1], None
+            if visible:
+                mesh = shapes.grid(grid[0][part], grid[1][part], heights[part])
+                body = self._add_ground(mesh, normals[part].reshape(-1, 3))
+            self._shown[key] = seen, body
 
     def _show(self, name: str, version: object, part: Visual | None) -> None:
         if name in self._shown and self._shown[name][0] == version:
@@ -280,8 +294,8 @@ def link_frames(world: World) -> dict[str, NDArray]:
 def _grid_normals(heights: NDArray, grid: tuple[NDArray, NDArray]) -> NDArray:
     x, y = grid
     slope_y, slope_x = np.gradient(heights, y[:, 0], x[0])
-    normals = np.stack([-slope_x, -slope_y, np.ones_like(heights)], axis=-1).reshape(-1, 3)
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.stack([-slope_x, -slope_y, np.ones_like(heights)], axis=-1)
+    return normals / np.linalg.norm(normals, axis=-1, keepdims=True)
 
 
 def _sky(rows: int) -> NDArray:
@@ -290,6 +304,8 @@ def _sky(rows: int) -> NDArray:
 
 
 def _downsample(picture: NDArray, samples: int) -> NDArray:
+    if samples == 1:
+        return np.uint8(picture + 0.5)
     rows, columns, _ = picture.shape
     blocks = picture.reshape(rows // samples, samples, columns // samples, samples, 3)
     return np.uint8(blocks.mean(axis=(1, 3)) + 0.5)

@@ -198,3 +198,14 @@ def test_filters_refuse(call, error, words):
     points = RNG(7).uniform(0.1, 1, (50, 3))
     with pytest.raises(error, match=words):
         call(points, {"boom": [cloud.box([0, 0, 0], [1, 1, 1])]})
+
+
+def test_each_scan_may_have_an_origin_of_its_own():
+    points = RNG(5).normal(size=(4, 20, 3)) + [6, 0, 0]
+    origins = RNG(6).normal(size=(4, 3))
+    wanted = [cloud.incidence(line, origin) for line, origin in zip(points, origins, strict=True)]
+    np.testing.assert_array_equal(cloud.incidence(points, origins), wanted)
+    masks = [cloud.shadow_filter(line, at) for line, at in zip(points, origins, strict=True)]
+    np.testing.assert_array_equal(cloud.shadow_filter(points, origins), masks)
+    with pytest.raises(ValueError, match="origin must be one point or one for each scan"):
+        cloud.incidence(points, origins[:3])

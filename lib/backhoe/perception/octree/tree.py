@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import choice, number, numbers, positive, whole
 from backhoe.perception.octree import files, stream
+from backhoe.perception.octree.log_odds import HIT, L_MAX, L_MIN, MISS
 from backhoe.perception.octree.nodes import DEPTH, SPARE
 from backhoe.perception.octree.rays import MIDDLE
 
@@ -78,10 +79,10 @@ class OccupancyOctree:
         self,
         resolution: float,
         *,
-        hit: float = 1.39,
-        miss: float = -0.80,
-        l_min: float = -2.0,
-        l_max: float = 3.48,
+        hit: float = HIT,
+        miss: float = MISS,
+        l_min: float = L_MIN,
+        l_max: float = L_MAX,
     ) -> None:
         self.resolution = positive(resolution, "resolution", "m")
         self.hit, self.l_max = positive(hit, "hit"), positive(l_max, "l_max")

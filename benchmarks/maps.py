@@ -15,8 +15,10 @@ from time import perf_counter, process_time
 import numpy as np
 import pyoctomap
 
+from backhoe import simulation
 from backhoe.perception.cloud import box, self_filter, voxel_grid
 from backhoe.perception.octree import OccupancyOctree
+from backhoe.simulation.sight import Sight
 
 
 def report(what: str, figure: float, unit: str, limit: float) -> bool:
@@ -113,6 +115,35 @@ def maps() -> list[bool]:
     return ok
 
 
+def mission() -> list[bool]:
+    """A scan every 2 s for 30 minutes into the map of a scene where the machine works."""
+    lens = np.radians(np.stack(np.meshgrid(np.arange(-70, 71, 1.0), np.arange(-60, 5, 1.0)), -1))
+    azimuth, elevation = lens.reshape(-1, 2).T
+    ahead = np.c_[np.cos(azimuth), np.sin(azimuth)] * np.cos(elevation)[:, None]
+    ahead = np.c_[ahead, np.sin(elevation)]
+    rng, tree, times = np.random.default_rng(0), OccupancyOctree(0.1), []
+    with simulation.open_world(backend="analytic") as world:
+        sight = Sight(world)
+        for scan in range(900):
+            swing = 1.4 * np.sin(0.7 * scan)
+            if scan % 5 == 0:
+                world.ground.terrain.lay(*rng.uniform([[4, -2]] * 2, [[7, 2]] * 2), 0.05)
+            turn = np.array([[np.cos(swing), -np.sin(swing)], [np.sin(swing), np.cos(swing)]])
+            way = np.c_[ahead[:, :2] @ turn.T, ahead[:, 2]]
+            eye = np.array([*(turn @ [0.9, -0.6]), 3.1])
+            hits = sight.cast(eye, way, 30.0)
+            points = hits.points[np.isfinite(hits.t)] + rng.normal(0, 0.01, 3)
+            start = process_time()
+            tree.insert_scan(points, eye, 20.0)
+            times.append(process_time() - start)
+    first, last = np.median(times[1:91]), np.median(times[-90:])
+    print(
+        f"a scan of {len(points)} points: {1e3 * first:.1f} ms at first, {1e3 * last:.1f} at last"
+    )
+    print(f"the map after 900 scans: {tree.size} nodes, {tree.memory / 1e6:.1f} MB")
+    return [report("a scan, last tenth of 900 over the first", last / first, "", 1.25)]
+
+
 def insert(points: np.ndarray, origin: np.ndarray) -> None:
     OccupancyOctree(0.1).insert_scan(points, origin)
 
@@ -130,4 +161,4 @@ def body() -> list[bool]:
 
 if __name__ == "__main__":
     scene_of = {n: scene(n)[0] for n in (10_000, 1_000_000)}
-    sys.exit(0 if all(grids() + maps() + body()) else 1)
+    sys.exit(0 if all(grids() + maps() + mission() + body()) else 1)

@@ -139,14 +139,19 @@ def measure_pair() -> list[bool]:
 
 def measure_rendered_pair() -> list[bool]:
     """The same by PyBullet's renderer, without depth."""
-    eye, view = np.array([1.3, -1.1, 2.9]), np.radians(47)
+    eye = np.array([1.3, -1.1, 2.9])
     with simulation.open_world(backend="pybullet") as world:
 
         def pair() -> list:
             dig(world)
             return [
                 world.render(
-                    640, 480, np.add(eye, (0, side, 0)), (6.0, side, 0.4), view, shadow=False
+                    640,
+                    480,
+                    eye + np.array([0, side, 0]),
+                    (6.0, side, 0.4),
+                    np.radians(47),
+                    shadow=False,
                 )
                 for side in (0.0, -0.4)
             ]

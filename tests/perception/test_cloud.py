@@ -29,10 +29,26 @@ def test_voxel_grid_gives_the_centroid_of_each_voxel(leaf):
     np.testing.assert_allclose(ours[order], wanted[other], rtol=0, atol=1e-8)
 
 
+def test_points_of_one_voxel_and_points_of_a_voxel_each_are_thinned():
+    one = RNG(8).uniform(0, 1, (30_000, 3))
+    np.testing.assert_allclose(cloud.voxel_grid(one, 1.0), [one.mean(axis=0)], atol=1e-9)
+    each = np.stack(np.meshgrid(*[np.arange(28.0)] * 3), axis=-1).reshape(-1, 3) + 0.25
+    thinned = cloud.voxel_grid(each, 1.0)
+    np.testing.assert_array_equal(thinned[np.lexsort(thinned.T)], each[np.lexsort(each.T)])
+
+
+def test_a_voxel_grid_has_the_same_order_each_time_and_leaves_its_points_alone():
+    points = RNG(9).normal(size=(20_000, 3))
+    kept = points.copy()
+    np.testing.assert_array_equal(cloud.voxel_grid(points, 0.1), cloud.voxel_grid(points, 0.1))
+    np.testing.assert_array_equal(points, kept)
+
+
 def test_voxels_begin_at_multiples_of_the_leaf():
     points = [[0.09, 0, 0], [0.11, 0, 0], [-0.01, 0, 0], [0.19, 0.05, 0.05], [0.01, 0, 0]]
-    assert cloud.voxel_grid(points, 0.1) == pytest.approx(
-        np.array([[0.05, 0, 0], [0.15, 0.025, 0.025], [-0.01, 0, 0]])
+    thinned = cloud.voxel_grid(points, 0.1)
+    assert thinned[np.argsort(thinned[:, 0])] == pytest.approx(
+        np.array([[-0.01, 0, 0], [0.05, 0, 0], [0.15, 0.025, 0.025]])
     )
 
 
@@ -67,12 +83,18 @@ def test_compiled_loops_do_as_the_plain_ones():
     spheres = np.array([0, 6]), np.array([[0.5, 0.5, 0.5]]), np.array([2.0])
     found = []
     for module in (engine, loops):
-        ends, table = np.empty((2, 3)), (np.full(2048, -1, np.int32), np.zeros((512, 8)))
+        ends, starts, keys = np.empty((2, 3)), np.zeros(5, int), np.empty(300, int)
         assert module.extent(points, ends)
-        assert module.gather(points, 0.5, *table, 0, 0)[0] == 300
+        low = np.floor(ends[0] / 0.5).astype(int)
+        module.count(points, 0.5, low, keys, 30, starts)
+        dealt, dealt_keys, centroids = np.empty((300, 3)), np.empty(300, int), np.zeros((300, 3))
+        module.deal(points, keys, 30, starts[:-1].copy(), dealt, dealt_keys)
+        room = np.full(1024, -1, np.int32), np.empty((300, 4)), np.empty(300, int)
+        filled = module.gather(dealt, dealt_keys, starts, *room, centroids)
+        assert 50 < filled < 300 and np.diff(starts).min() > 20
         keep = np.ones(300, bool)
         module.outside(points, planes, *spheres, 0.1, keep)
-        found.append([ends, *table, keep])
+        found.append([ends, starts, keys, dealt, dealt_keys, centroids, keep])
     for fast, plain in zip(*found, strict=True):
         np.testing.assert_array_equal(fast, plain)
 

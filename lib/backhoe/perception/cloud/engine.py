@@ -5,4 +5,6 @@ from __future__ import annotations
 from backhoe.basics.engine import compiled
 from backhoe.perception.cloud import loops
 
-extent, gather, outside = compiled(loops.extent, loops.gather, loops.outside)
+extent, count, deal, gather, outside, _ = compiled(
+    loops.extent, loops.count, loops.deal, loops.gather, loops.outside, loops.mixed
+)

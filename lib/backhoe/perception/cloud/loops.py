@@ -19,42 +19,86 @@ def extent(points, ends):
     return finite
 
 
-def gather(points, leaf, slots, voxels, start, filled):
-    """Add points to the voxels that they lie in.
+def mixed(key):
+    """32 bits in which the three indices of a voxel's key, 21 bits each, are mixed."""
+    i, j, k = key & 0x1FFFFF, key >> 21 & 0x1FFFFF, key >> 42
+    word = (i * 73856093 ^ j * 19349669 ^ k * 83492791) & 0xFFFFFFFF
+    word = ((word ^ word >> 15) * 0x2C1B3C6D) & 0xFFFFFFFF
+    return word ^ word >> 12
+
+
+def count(points, leaf, low, keys, shift, starts):
+    """The voxel of each point, and where each bucket of voxels will begin.
 
     Args:
         points: shape (n, 3) [m].
         leaf: edge of a voxel [m].
-        slots: an open table of voxels, -1 where empty, a power of 2 of them.
-        voxels: in order of appearance, their three indices, the sums of their points and how many
-            these are, shape (m, 8) with one place unused: together in the processor's cache.
-        start, filled: points and voxels already done.
+        low: lowest index along each axis, shape (3,).
+        keys: filled in with the voxels' indices above `low`, 21 bits each, shape (n,).
+        shift: bits of `mixed` that do not choose the bucket.
+        starts: filled in with the first place of each bucket, and the end, shape (b + 1,).
+    """
+    for n in range(len(points)):
+        i = floor(points[n, 0] / leaf) - low[0]
+        j = floor(points[n, 1] / leaf) - low[1]
+        k = floor(points[n, 2] / leaf) - low[2]
+        keys[n] = i | j << 21 | k << 42
+        starts[(mixed(keys[n]) >> shift) + 1] += 1
+    for b in range(1, len(starts)):
+        starts[b] += starts[b - 1]
+
+
+def deal(points, keys, shift, places, dealt, dealt_keys):
+    """Put points and keys into their buckets, in their order; `places` (b,) is used up."""
+    for n in range(len(points)):
+        b = mixed(keys[n]) >> shift
+        at = places[b]
+        places[b] += 1
+        dealt[at, 0], dealt[at, 1], dealt[at, 2] = points[n, 0], points[n, 1], points[n, 2]
+        dealt_keys[at] = keys[n]
+
+
+def gather(points, keys, starts, slots, sums, names, centroids):
+    """Centroids of the voxels, a bucket after the other, each in the processor's cache.
+
+    Args:
+        points, keys, starts: as `deal` leaves them and `count` fills them in.
+        slots: a table with -1 throughout, at least twice as long as the largest bucket, a power of
+            2. A voxel's number in it that is lower than the bucket's first one is no longer there.
+        sums, names: room for one bucket's voxels, shapes (m, 4), (m,).
+        centroids: filled in, shape (n, 3) [m].
 
     Returns:
-        Points and voxels that are done: all, unless there is no room for one voxel more.
+        Number of voxels.
     """
-    mask = len(slots) - 1
-    for n in range(start, len(points)):
-        x, y, z = points[n, 0], points[n, 1], points[n, 2]
-        i, j, k = floor(x / leaf), floor(y / leaf), floor(z / leaf)
-        mixed = (i * 73856093 ^ j * 19349669 ^ k * 83492791) & 0xFFFFFFFF
-        slot = (mixed ^ mixed >> 15) & mask
-        v = slots[slot]
-        while v >= 0 and (voxels[v, 0] != i or voxels[v, 1] != j or voxels[v, 2] != k):
-            slot = (slot + 1) & mask
-            v = slots[slot]
-        if v < 0:
-            if filled == len(voxels):
-                return n, filled
-            v = filled
-            filled += 1
-            slots[slot] = v
-            voxels[v, 0], voxels[v, 1], voxels[v, 2] = i, j, k
-        voxels[v, 3] += x
-        voxels[v, 4] += y
-        voxels[v, 5] += z
-        voxels[v, 6] += 1
-    return len(points), filled
+    filled = 0
+    for b in range(len(starts) - 1):
+        first, mask = filled, 1
+        while mask < 2 * (starts[b + 1] - starts[b]):
+            mask *= 2
+        mask -= 1
+        for n in range(starts[b], starts[b + 1]):
+            key = keys[n]
+            slot = mixed(key) & mask
+            v = slots[slot] - first
+            while v >= 0 and names[v] != key:
+                slot = (slot + 1) & mask
+                v = slots[slot] - first
+            if v < 0:
+                v = filled - first
+                slots[slot] = filled
+                filled += 1
+                names[v] = key
+                for axis in range(4):
+                    sums[v, axis] = 0
+            sums[v, 0] += points[n, 0]
+            sums[v, 1] += points[n, 1]
+            sums[v, 2] += points[n, 2]
+            sums[v, 3] += 1
+        for v in range(filled - first):
+            for axis in range(3):
+                centroids[first + v, axis] = sums[v, axis] / sums[v, 3]
+    return filled
 
 
 def outside(points, planes, first, middles, radii, padding, keep):

@@ -21,6 +21,8 @@ LESSONS = {
     "5": "path_tracking",
     "6": "odometry",
     "7": "ekf",
+    "8": "stereo",
+    "9": "voxel_map",
 }
 
 

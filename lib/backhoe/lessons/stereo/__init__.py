@@ -1,0 +1,1 @@
+"""What serves lessons 08a and 08b, stereo."""

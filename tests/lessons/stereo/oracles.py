@@ -1,0 +1,1 @@
+"""What proves the references of the chapter: each oracle says its way in its docstring."""

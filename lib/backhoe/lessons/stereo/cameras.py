@@ -11,9 +11,27 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from backhoe import simulation
+from backhoe.arm.kinematics import inverse_kinematics
+from backhoe.machine.sensors import STEREO, sensor_pose
 from backhoe.perception.camera import Pair, Pinhole, chessboard, rotation
+from backhoe.perception.picture import View
+from backhoe.simulation.render import link_frames
+from backhoe.simulation.scene import LOADING
+from backhoe.simulation.sight import Sight
 
-__all__ = ["COLUMNS", "PAIR", "ROWS", "SQUARE", "held", "photograph", "photographed_corners"]
+__all__ = [
+    "COLUMNS",
+    "PAIR",
+    "ROWS",
+    "SQUARE",
+    "held",
+    "photograph",
+    "photographed_corners",
+    "to_right",
+    "truck_in_view",
+    "truck_rail",
+]
 
 _LENS = np.array([-0.28, 0.07, 0.0011, -0.0006, 0.0])
 _SIZE = (640, 480)
@@ -34,6 +52,49 @@ _EDGE = 12.0
 _DATA = Path(__file__).resolve().parents[4] / "data" / "stereo"
 
 
+_POSE, _TIP, _SWING = (0.0, 0.7, 0.0), (6.5, 0.4, 3.6, np.radians(45)), 0.06
+"""Where the machine stands [m, rad], the stick's tip and bucket [m, rad], its house [rad]."""
+
+_RAIL = 2.1
+"""Length of the truck's wall that both cameras see [m]."""
+
+_LOAD = 0.25
+"""Depth of the soil in the truck [m]."""
+
+
+def truck_in_view(pair: Pair = PAIR) -> tuple[View, View, NDArray]:
+    """What both cameras on the cab see of the truck that the machine loads.
+
+    Returns:
+        The left and the right view, and the left camera's pose in the world, shape (4, 4) [m].
+    """
+    with simulation.open_world(backend="analytic") as world:
+        world.reset(q=(_SWING, *inverse_kinematics(_TIP)[1:]), pose=_POSE)
+        T = sensor_pose(link_frames(world)["swing"], STEREO.mount)
+        bed = world.ground.bed
+        bed.restore({**bed.snapshot(), "heights": bed.heights + _LOAD})
+        sight = Sight(world)
+        return (
+            sight.look(pair.left, T),
+            sight.look(pair.right, T @ np.linalg.inv(to_right(pair))),
+            T,
+        )
+
+
+def truck_rail(count: int = 2) -> NDArray:
+    """Points along the inner edge of the truck's near wall, from its rear end on for as long as
+    both cameras see it, shape (count, 3) [m] in the world."""
+    truck = LOADING.truck
+    rear, y = truck.x - truck.bed_length / 2, truck.y - truck.bed_width / 2
+    x = rear + np.linspace(0.0, _RAIL, count)
+    return np.stack([x, np.full(count, y), np.full(count, truck.wall)], axis=-1)
+
+
+def to_right(pair: Pair) -> NDArray:
+    """R and t of a pair as one transform, shape (4, 4) [m]: p_right = T p_left."""
+    return np.block([[pair.R, pair.t[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]])
+
+
 def held(pair: Pair, count: int, seed: int, tilt: float = 0.6) -> NDArray:
     """Poses of a board that both cameras see whole, in the left one's frame.
 
@@ -48,13 +109,12 @@ def held(pair: Pair, count: int, seed: int, tilt: float = 0.6) -> NDArray:
     """
     board = chessboard(COLUMNS, ROWS, SQUARE)
     rng, poses = np.random.default_rng([seed, 8]), []
-    to_right = np.block([[pair.R, pair.t[:, None]], [np.eye(4)[3:]]])
     while len(poses) < count:
         T = np.eye(4)
         T[:3, :3] = rotation(rng.uniform(-tilt, tilt, 3))
         middle = rng.uniform(1.1, 2.4) * np.r_[rng.uniform([-0.4, -0.4], [0.6, 0.4]), 1.0]
         T[:3, 3] = middle - T[:3, :3] @ board.mean(axis=0)
-        if _whole(pair.left, T, board) and _whole(pair.right, to_right @ T, board):
+        if _whole(pair.left, T, board) and _whole(pair.right, to_right(pair) @ T, board):
             poses.append(T)
     return np.array(poses)
 

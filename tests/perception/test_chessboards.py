@@ -188,3 +188,40 @@ def test_a_homography_is_that_of_opencv():
 def test_bad_boards_and_pictures_are_named(make, error, says):
     with pytest.raises(error, match=says):
         make()
+
+
+def test_three_boards_through_a_strong_lens_are_calibrated_as_by_opencv():
+    """Some of these have no closed form: the lens is part of no homography."""
+    rng, many = np.random.default_rng(5), held(PAIR, 30, 5)
+    none = 0
+    for _ in range(8):
+        views = np.array([true_corners(T) for T in many[rng.choice(30, 3, replace=False)]])
+        views += 0.14 * rng.standard_normal(views.shape)
+        H = np.array([camera.homography(BOARD[:, :2], view) for view in views])
+        none += closed_form_has_no_root(H)
+        ours = camera.calibrate(BOARD, views, SIZE)
+        rms, K, *_ = cv2.calibrateCamera(
+            [BOARD.astype(np.float32)] * 3,
+            list(views.astype(np.float32)),
+            SIZE,
+            None,
+            None,
+            criteria=(cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 500, 1e-15),
+        )
+        assert ours.rms <= rms * (1 + 1e-5)  # it reads corners of single precision
+        np.testing.assert_allclose(ours.camera.K[0, 0], K[0, 0], rtol=1e-3)
+    assert none > 0
+
+
+def closed_form_has_no_root(H):
+    """Whether B of Zhang's equations, in pixels about the middle, is no matrix of a camera."""
+    H = np.linalg.solve([[560, 0, 319.5], [0, 560, 239.5], [0, 0, 1]], H)
+    rows = []
+    for h in H:
+        symmetric = lambda i, j, h=h: np.outer(h[:, i], h[:, j]) + np.outer(h[:, j], h[:, i])  # noqa: E731
+        for M in (symmetric(0, 1), symmetric(0, 0) - symmetric(1, 1)):
+            M = M / np.linalg.norm(h) ** 2
+            rows.append([M[0, 0], M[1, 1], 2 * M[0, 2], 2 * M[1, 2], M[2, 2]])
+    a, c, d, e, f = np.linalg.svd(np.array(rows))[2][4]
+    B = np.array([[a, 0, d], [0, c, e], [d, e, f]])
+    return len(set(np.sign(np.linalg.eigvalsh(B)))) > 1

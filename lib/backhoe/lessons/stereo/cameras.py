@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from backhoe import simulation
 from backhoe.arm.kinematics import inverse_kinematics
 from backhoe.machine.sensors import STEREO, sensor_pose
-from backhoe.perception.camera import Pair, Pinhole, chessboard, rotation
-from backhoe.perception.picture import View
+from backhoe.perception.camera import Pair, Pinhole, calibrate, chessboard, rotation
+from backhoe.perception.picture import View, chessboard_pictures
 from backhoe.simulation.render import link_frames
 from backhoe.simulation.scene import LOADING
 from backhoe.simulation.sight import Sight
@@ -25,9 +25,12 @@ __all__ = [
     "PAIR",
     "ROWS",
     "SQUARE",
+    "calibrations",
     "held",
     "photograph",
     "photographed_corners",
+    "residuals",
+    "taken",
     "to_right",
     "truck_in_view",
     "truck_rail",
@@ -117,6 +120,50 @@ def held(pair: Pair, count: int, seed: int, tilt: float = 0.6) -> NDArray:
         if _whole(pair.left, T, board) and _whole(pair.right, to_right(pair) @ T, board):
             poses.append(T)
     return np.array(poses)
+
+
+def taken(camera: Pinhole, poses: NDArray, seed: int) -> NDArray:
+    """Pictures of the board with a sensor's noise of two grey levels, (views, height, width),
+    uint8; poses in the camera's frame (views, 4, 4) [m]."""
+    clean = chessboard_pictures(camera, poses, COLUMNS, ROWS, SQUARE)
+    noise = 2 * np.random.default_rng([seed, 9]).standard_normal(clean.shape)
+    return np.clip(np.rint(clean + noise), 0, 255).astype(np.uint8)
+
+
+def residuals(board: NDArray, corners: NDArray) -> tuple[float, NDArray]:
+    """Root mean square, and where corners (views, n, 2) [pixels] are seen, less where the camera
+    that they calibrate puts them, (views * n, 2) [pixels]; board (n, 3) [m]."""
+    fit = calibrate(board, corners, _SIZE)
+    placed = board @ np.swapaxes(fit.rotations, 1, 2) + fit.positions[:, None]
+    return fit.rms, (corners - fit.camera.project(placed)).reshape(-1, 2)
+
+
+def calibrations(
+    counts: tuple[int, ...], runs: int, noise: float, seed: int
+) -> tuple[NDArray, NDArray]:
+    """Calibrate the left camera again and again, with few boards and with many.
+
+    Args:
+        counts: boards in a calibration, drawn from thirty.
+        runs: calibrations with each of these numbers.
+        noise: root mean square of the distance between a corner and where it is found [pixels].
+        seed: the same gives the same.
+
+    Returns:
+        Errors of fx, shape (counts, runs) [pixels], and the median of the standard deviations that
+        the calibrations give themselves, (counts,) [pixels].
+    """
+    board, rng = chessboard(COLUMNS, ROWS, SQUARE), np.random.default_rng([seed, 10])
+    poses = held(PAIR, 30, seed)
+    exact = PAIR.left.project(board @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3])
+    errors, said = np.empty((2, len(counts), runs))
+    for i, count in enumerate(counts):
+        for k in range(runs):
+            seen = exact[rng.choice(len(exact), count, replace=False)]
+            seen = seen + noise / np.sqrt(2) * rng.standard_normal(seen.shape)
+            fit = calibrate(board, seen, _SIZE)
+            errors[i, k], said[i, k] = fit.camera.K[0, 0] - PAIR.left.K[0, 0], fit.deviations[0]
+    return errors, np.median(said, axis=1)
 
 
 def photograph() -> NDArray:

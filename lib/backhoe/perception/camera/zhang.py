@@ -44,6 +44,9 @@ def homography(plane: ArrayLike, pixels: ArrayLike) -> NDArray:
 def intrinsic_matrix(H: NDArray, size: tuple[int, int]) -> NDArray:
     """K without skew from homographies: h1, h2 of each are orthonormal under B = K^-T K^-1.
 
+    A strong lens and few views can leave B without a root; the principal point is then taken to be
+    the picture's middle, which leaves two unknowns.
+
     Args:
         H: of each view, shape (views, 3, 3) of any scale.
         size: width and height of the pictures [pixels].
@@ -54,37 +57,22 @@ def intrinsic_matrix(H: NDArray, size: tuple[int, int]) -> NDArray:
     Raises:
         ValueError: views that do not tilt the board differently.
     """
-    scale = np.diag([2 / sum(size), 2 / sum(size), 1.0])
-    H = scale @ H
+    middle, half = (np.array(size) - 1) / 2, sum(size) / 2
+    to_pixels = np.array([[half, 0, middle[0]], [0, half, middle[1]], [0, 0, 1]])
+    H = np.linalg.solve(to_pixels, H)
     H = H / np.linalg.norm(H, axis=(1, 2), keepdims=True)
-
-    def pair(i: int, j: int) -> NDArray:
-        a, b = H[:, :, i], H[:, :, j]
-        return np.stack(
-            [
-                a[:, 0] * b[:, 0],
-                a[:, 1] * b[:, 1],
-                a[:, 0] * b[:, 2] + a[:, 2] * b[:, 0],
-                a[:, 1] * b[:, 2] + a[:, 2] * b[:, 1],
-                a[:, 2] * b[:, 2],
-            ],
-            axis=-1,
-        )
-
-    rows = np.vstack([pair(0, 1), pair(0, 0) - pair(1, 1)])
+    rows = np.vstack([_products(H, 0, 1), _products(H, 0, 0) - _products(H, 1, 1)])
     _, sizes, V = np.linalg.svd(np.linalg.qr(rows, "r"))
-    A, C, D, E, F = V[4] * np.sign(V[4][0])
-    K = None
-    if sizes[3] > _FLAT_VIEWS * sizes[0] and A > 0 and C > 0:
-        cx, cy = -D / A, -E / C
-        weight = F - D * D / A - E * E / C
-        if weight > 0:
-            K = np.array([[np.sqrt(weight / A), 0, cx], [0, np.sqrt(weight / C), cy], [0, 0, 1]])
-    if K is None:
-        raise ValueError(
-            "image_points leave the camera open: tilt the board differently from view to view"
-        )
-    return np.linalg.inv(scale) @ K
+    if sizes[3] > _FLAT_VIEWS * sizes[0]:
+        A, C, D, E, F = V[4] * np.sign(V[4][0])
+        if not (A > 0 and C > 0 and F > D * D / A + E * E / C):
+            (A, C), D, E, F = np.linalg.lstsq(rows[:, :2], -rows[:, 4])[0], 0.0, 0.0, 1.0
+        if A > 0 and C > 0:
+            f = np.sqrt((F - D * D / A - E * E / C) / np.array([A, C]))
+            return to_pixels @ [[f[0], 0, -D / A], [0, f[1], -E / C], [0, 0, 1]]
+    raise ValueError(
+        "image_points leave the camera open: tilt the board differently from view to view"
+    )
 
 
 def board_poses(board: NDArray, seen: NDArray, K: NDArray) -> NDArray:
@@ -102,3 +90,10 @@ def _normalised(points: NDArray) -> tuple[NDArray, NDArray]:
     middle, scale = points.mean(axis=0), points.std()
     T = np.array([[1, 0, -middle[0]], [0, 1, -middle[1]], [0, 0, scale]]) / scale
     return np.c_[points, np.ones(len(points))] @ T.T, T
+
+
+def _products(H: NDArray, i: int, j: int) -> NDArray:
+    """What h_i^T B h_j has of B's entries 11, 22, 13, 23 and 33, shape (views, 5)."""
+    a, b = H[:, :, i].T, H[:, :, j].T
+    mixed = [a[k] * b[2] + a[2] * b[k] for k in (0, 1)]
+    return np.stack([a[0] * b[0], a[1] * b[1], *mixed, a[2] * b[2]], axis=-1)

@@ -37,8 +37,8 @@ def pictures(
         raise ValueError("nothing to draw: give a title and a picture for each panel")
     height, width = np.shape(next(iter(panels.values())))[:2]
     legend = 0.35 if any(map(len, (*marks, *lines))) else 0.0
-    across = 6.8 / len(panels) if len(panels) > 1 else 5.6
-    tall = 0.75 + across * height / width + legend
+    across = 6.2 / len(panels) if len(panels) > 1 else 5.6
+    tall = 0.5 + across * height / width + legend
     fig, axes = figure(across * len(panels), tall, 1, len(panels), squeeze=False, sharey=True)
     labels = list(dict.fromkeys(label for of in (*marks, *lines) for label in of))
     for k, (ax, (title, image)) in enumerate(zip(axes[0], panels.items(), strict=True)):
@@ -46,7 +46,7 @@ def pictures(
         for label, places in (marks[k] if marks else {}).items():
             u, v = numbers(places, label, ("n", 2), meaning="columns and rows [pixels]").T
             colour = _COLOURS[labels.index(label)]
-            ax.plot(u, v, "o", color=colour, mec="white", mew=0.8, ms=5, label=label)
+            ax.plot(u, v, "o", color=colour, mec="white", mew=0.7, ms=4.5, label=label)
         for label, each in (lines[k] if lines else {}).items():
             for number, line in enumerate(each):
                 u, v = numbers(line, label, ("n", 2), meaning="columns and rows [pixels]").T
@@ -81,7 +81,7 @@ def residuals(panels: Mapping[str, ArrayLike]) -> Figure:
     sets = {title: numbers(errors, title, ("n", 2)) for title, errors in panels.items()}
     if not sets:
         raise ValueError("nothing to draw: give a title and errors for each panel")
-    fig, axes = figure(6.8, 3.7, 1, len(sets), squeeze=False, sharex=True, sharey=True)
+    fig, axes = figure(6.8, 4.1, 1, len(sets), squeeze=False, sharex=True, sharey=True)
     turn = np.linspace(0.0, 2 * np.pi, 91)
     most = 1.05 * max(np.abs(errors).max() for errors in sets.values())
     for ax, (title, errors) in zip(axes[0], sets.items(), strict=True):

@@ -269,3 +269,15 @@ def test_only_grey_pictures_pass_as_such(value):
         inputs.picture(np.zeros((0, 4), np.uint8), "left")
     grey = np.ones((6, 8), np.uint8)
     assert inputs.picture(grey, "left") is grey and inputs.picture(grey[:, ::2], "left").all()
+
+
+@pytest.mark.parametrize("value", [np.zeros((2, 3)), [[0, 1]], "yes", [True, False], [[]], None])
+def test_only_truth_values_of_the_shape_pass_as_such(value):
+    with pytest.raises(ValueError, match="inside must be truth values, shape"):
+        inputs.truths(value, "inside", ("rows", "columns"))
+
+
+def test_truth_values_pass_as_they_are():
+    mask = np.eye(3, dtype=bool)
+    assert inputs.truths(mask, "inside", (3, "n")) is mask
+    assert inputs.truths([[True, False]], "inside", (1, 2)).tolist() == [[True, False]]

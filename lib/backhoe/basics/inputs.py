@@ -106,6 +106,20 @@ def numbers(
     return array
 
 
+def truths(values: ArrayLike, name: str, shape: tuple) -> NDArray:
+    """`values` as an array of truth values (no unit) of a shape, said as for `numbers`.
+
+    Raises:
+        ValueError: numbers, text or other objects, or another shape.
+    """
+    array = np.asarray(values)
+    if array.dtype != bool or not _fits(array.shape, shape):
+        raise ValueError(
+            f"{name} must {_wanted(shape, 'truth values')}, got {array.dtype}, shape {array.shape}"
+        )
+    return array
+
+
 def picture(value: NDArray, name: str) -> NDArray:
     """A grey picture, shape (rows, columns) of uint8 [grey levels], black 0, white 255.
 

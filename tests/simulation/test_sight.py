@@ -78,3 +78,24 @@ def test_a_stereo_pair_of_the_scene_is_matched_to_its_true_depth():
     near = np.isfinite(z) & (left.depth[part] < 8)
     assert np.isfinite(z).mean() > 0.9
     assert np.median(np.abs(z - left.depth[part])[near]) < 0.05
+
+
+def test_a_truck_that_has_left_is_not_seen_nor_what_was_in_its_bed():
+    with simulation.open_world(backend="analytic") as world:
+        sight, truck = Sight(world), world.scene.truck
+        start = [truck.x, truck.y, 8.0]
+        down = [[0.0, 0.0, -1.0], [0.3, 0.0, -1.0], [1.0, 0.0, -2.0]]
+        before = sight.cast(start, down)
+        sight.truck = False
+        gone, names = sight.cast(start, down), sight.names
+        picture = sight.look(
+            Pinhole.of_view((64, 48), 1.0), looking((1.0, 0.0, 3.0), (*start[:2], 1.0))
+        )
+        sight.truck = True
+        back = sight.cast(start, down)
+    assert before.points[0, 2] == pytest.approx(truck.floor)
+    np.testing.assert_allclose(gone.points[:, 2], 0.0, atol=1e-9)
+    assert not {"truck", "bed"} & set(names) and "truck" in sight.names
+    assert {names[k] for k in gone.surface} == {"terrain"}
+    assert picture.surface.max() < len(names)
+    np.testing.assert_array_equal(back.t, before.t)

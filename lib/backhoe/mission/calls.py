@@ -1,6 +1,6 @@
 """Calling a student's parts: with copies, answers checked, errors that name the part and its call.
 
-What stands for the library's own estimator in place of a part is LIBRARY.
+What stands for the library's own estimator in place of a part is LIBRARY. MAKERS may be classes.
 """
 
 from __future__ import annotations
@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import choice, function, numbers
-from backhoe.mission.parts import DRIVE_PARTS, PARTS, Part
+from backhoe.mission.parts import DRIVE_PARTS, PARTS, SURVEY_PARTS, Part
 
 LIBRARY = "library"
 ESTIMATORS = ("odometry", "localisation")
-_CALLS = {name: part.call for name, part in (PARTS | DRIVE_PARTS).items()}
+MAKERS = ("map",)
+_CALLS = {name: part.call for name, part in (PARTS | DRIVE_PARTS | SURVEY_PARTS).items()}
 
 
 def given_parts(
@@ -24,7 +25,7 @@ def given_parts(
     """The parts that are not None, by name; an estimator may be LIBRARY.
 
     Args:
-        table: `PARTS` or `DRIVE_PARTS`.
+        table: `PARTS`, `DRIVE_PARTS` or `SURVEY_PARTS`.
         unknown: what was given under other names.
         offered: a part or None by name.
 
@@ -39,7 +40,7 @@ def given_parts(
     for name, part in given.items():
         if isinstance(part, str) and name in ESTIMATORS:
             choice(part, f"{name}, if it is no function,", (LIBRARY,))
-        else:
+        elif name not in MAKERS or not isinstance(part, type):
             function(part, name, _CALLS[name])
     return given
 

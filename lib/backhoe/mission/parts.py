@@ -90,6 +90,27 @@ DRIVE_PARTS = {
 }
 """What `drive` takes. With one of the last two the machine drives on its own estimate."""
 
+SURVEY_PARTS = {
+    "matcher": Part(
+        "matcher(left, right) -> disparity",
+        "rectified pictures (rows, columns), uint8, to disparities [pixels], NaN where unsure",
+        "08",
+    ),
+    "scan_filter": Part(
+        "scan_filter(points, origin) -> keep",
+        "points (lines, beams, 3) [m] in the order of the beams, NaN where nothing came back, and "
+        "where the laser is, (3,), to True or False for each, (lines, beams)",
+        "09",
+    ),
+    "map": Part(
+        "map(resolution) -> a map with insert_scan(points, origin, max_range) and log_odds(points)",
+        "edge of a voxel [m]; points (n, 3) and origin (3,) [m]: what lies beyond max_range only "
+        "frees, up to there; log-odds (n,), NaN where unknown",
+        "09",
+    ),
+}
+"""What `survey` takes; a class will do for the map."""
+
 
 STROKE = (
     ("turn to the heap", 4.5, 6.3, 4.2, 60),
@@ -152,6 +173,6 @@ def smooth_trajectory(times: NDArray, q_way: NDArray, t: NDArray) -> tuple[NDArr
 
 
 def parts(table: Mapping[str, Part] = PARTS) -> str:
-    """Parts one a line, with call, meaning and lesson: those of `run`, or `DRIVE_PARTS`."""
+    """Parts one a line, with call, meaning and lesson: those of `run`, or another table's."""
     lines = (f"{part.call}\n    {part.meaning}; lesson {part.lesson}" for part in table.values())
     return "\n".join(lines)

@@ -15,6 +15,8 @@ from backhoe.machine import Machine
 from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.loading import Run, run
+from backhoe.mission.surveying import SurveyRun, survey
+from backhoe.mission.worksite import CODA, EYES
 from backhoe.simulation.soil import SoilParameters
 from backhoe.vehicle.tracking import Path
 
@@ -103,7 +105,48 @@ class DriveScore:
         return _table(self, rows)
 
 
-def _table(score: Score | DriveScore, rows: list[tuple[str, str, Callable]]) -> str:
+@dataclass(frozen=True)
+class SurveyScore:
+    """A survey in nine numbers, beside the library's survey.
+
+    Over the first and the last look, whose pictures show the heap: `seen` the share of its cells
+    that have stereo points, `off` the root mean square of their errors in height [m] (NaN without
+    points); `covered` the share that have laser points. Over all looks: `wrong` the share of stereo
+    points whose disparity is more than a pixel off (NaN without points), `strays` the share that
+    was kept of laser points where nothing is, `found` the mean share of a look's true surface that
+    the map holds for occupied. At the end: `false` what it holds for occupied where nothing is
+    [m^3], `left` the share that is left in it of the truck, which has left, and `dark` the share of
+    the deep ground that it holds for unknown.
+    """
+
+    seen: float
+    off: float
+    wrong: float
+    covered: float
+    strays: float
+    found: float
+    false: float
+    left: float
+    dark: float
+    swapped: tuple[str, ...] = ()
+    reference: SurveyScore | None = None
+
+    def __str__(self) -> str:
+        rows = [
+            ("stereo: heap seen [%]", "{:.0f}", lambda score: 100 * score.seen),
+            ("stereo: heap off [cm]", "{:.1f}", lambda score: 100 * score.off),
+            ("stereo: wrong [%]", "{:.1f}", lambda score: 100 * score.wrong),
+            ("lasers: heap seen [%]", "{:.0f}", lambda score: 100 * score.covered),
+            ("lasers: strays kept [%]", "{:.0f}", lambda score: 100 * score.strays),
+            ("map: surface found [%]", "{:.0f}", lambda score: 100 * score.found),
+            ("map: wrongly full [m^3]", "{:.2f}", lambda score: score.false),
+            ("map: truck left [%]", "{:.0f}", lambda score: 100 * score.left),
+            ("map: dark unknown [%]", "{:.0f}", lambda score: 100 * score.dark),
+        ]
+        return _table(self, rows)
+
+
+def _table(score: Score | DriveScore | SurveyScore, rows: list[tuple[str, str, Callable]]) -> str:
     columns = [score] if score.reference is None else [score, score.reference]
     beside = "library" if score.swapped else "on truth"
     heads = ["yours" if score.swapped else "library", beside][: len(columns)]
@@ -197,7 +240,33 @@ def _score_drive(run: DriveRun) -> DriveScore:
     return replace(measured, reference=reference)
 
 
-def score(run: Run | DriveRun) -> Score | DriveScore:
+def _measure_survey(run: SurveyRun) -> SurveyScore:
+    ends = [0, -1]
+    stereo, lasers = run.heap["stereo"][ends], run.heap["lasers"][ends]
+    pairs = [seen["stereo"].faults for seen in run.clouds if "stereo" in seen]
+    scans = [cloud.faults for seen in run.clouds for name, cloud in seen.items() if name in EYES]
+    points, wrong = np.sum(pairs, axis=0)
+    strays, kept = np.sum(scans, axis=0)
+    return SurveyScore(
+        seen=float(stereo[:, 0].mean()),
+        off=float(np.sqrt(np.mean(stereo[:, 1] ** 2))),
+        wrong=float(wrong / points) if points else np.nan,
+        covered=float(lasers[:, 0].mean()),
+        strays=float(kept / strays),
+        found=float(run.found.mean()),
+        false=float(run.false[-1]),
+        left=float(run.left[-1 - CODA]),
+        dark=run.dark,
+        swapped=run.swapped,
+    )
+
+
+@lru_cache(maxsize=4)
+def _reference_survey(**settings: object) -> SurveyScore:
+    return _measure_survey(survey(**settings))
+
+
+def score(run: Run | DriveRun | SurveyRun) -> Score | DriveScore | SurveyScore:
     """Measure a run beside the same run with the library's parts only.
 
     The reference runs in a new world of the same scene and soil, by the same backend if it is the
@@ -206,7 +275,7 @@ def score(run: Run | DriveRun) -> Score | DriveScore:
     reference: drive the plant again without your tracker.
 
     Args:
-        run: what `mission.run` or `mission.drive` returned.
+        run: what `mission.run`, `mission.drive` or `mission.survey` returned.
 
     Returns:
         The score; `print` shows it beside the reference.
@@ -214,7 +283,13 @@ def score(run: Run | DriveRun) -> Score | DriveScore:
     Raises:
         TypeError: run is something else.
     """
-    instance(run, "run", (Run, DriveRun), "take what mission.run or mission.drive returned")
+    kinds = (Run, DriveRun, SurveyRun)
+    instance(run, "run", kinds, "take what mission.run, drive or survey returned")
+    if isinstance(run, SurveyRun):
+        settings = {name: getattr(run, name) for name in ("cycles", "seed", "resolution")}
+        settings["record"] = run.recorder is not None
+        reference = _reference_survey(**settings) if run.swapped else None
+        return replace(_measure_survey(run), reference=reference)
     if isinstance(run, DriveRun):
         return _score_drive(run)
     measured = _measure(run)

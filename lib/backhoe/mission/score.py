@@ -141,7 +141,7 @@ class SurveyScore:
             ("map: surface found [%]", "{:.0f}", lambda score: 100 * score.found),
             ("map: wrongly full [m^3]", "{:.2f}", lambda score: score.false),
             ("map: truck left [%]", "{:.0f}", lambda score: 100 * score.left),
-            ("map: dark unknown [%]", "{:.0f}", lambda score: 100 * score.dark),
+            ("map: dark unknown [%]", "{:.1f}", lambda score: 100 * score.dark),
         ]
         return _table(self, rows)
 

@@ -47,3 +47,62 @@ def seen_again_by_both_cameras(answer, u, v, d, f, cx, cy, baseline):
     assert left[2] > 0
     assert_allclose(left[:2] / left[2], [u, v], rtol=1e-9, atol=1e-9)
     assert_allclose(right[:2] / right[2], [u - d, v], rtol=1e-9, atol=1e-7)
+from scipy.optimize import brentq
+
+# Lesson 08b
+
+
+def the_last_disparity_and_the_slope_of_depth(answer, f, B, disparities, sigma, most):
+    """Similar triangles for the nearest; the farthest by a search, its slope by a complex step."""
+    near, far = answer
+    assert_allclose(near * list(range(disparities))[-1] / f, B, rtol=1e-9)
+
+    def deviation(z):
+        return sigma * abs((f * B / (f * B / z + 1e-30j)).imag) / 1e-30
+
+    assert_allclose(far, brentq(lambda z: deviation(z) - most, 1e-3, 1e5, rtol=1e-12), rtol=1e-6)
+
+
+def each_right_pixel_is_asked_by_itself(answer, costs):
+    """One left pixel after another, and for each its right pixel, by loops."""
+    disparities, rows, columns = costs.shape
+    assert answer.shape == (rows, columns)
+    for i, j in np.ndindex(rows, columns):
+        finite = {d: costs[d, i, j] for d in range(disparities) if costs[d, i, j] < np.inf}
+        wanted = np.nan
+        if finite:
+            d = min(finite, key=finite.get)
+            c = j - d
+            back = {e: costs[e, i, c + e] for e in range(disparities) if c + e < columns}
+            if abs(min(back, key=back.get) - d) < 1.5:
+                wanted = d
+        assert_allclose(answer[i, j], wanted)
+
+
+def two_lines_of_sight_by_least_squares(answer, disparity, f, B, cx, cy):
+    """Each point solves the four equations of its two pixels, u (0, 0, 1) p = f p_x + ..."""
+    good = [(i, j) for i, j in np.ndindex(disparity.shape) if 0 < disparity[i, j] < np.inf]
+    assert np.shape(answer) == (len(good), 3)
+    for point, (i, j) in zip(answer, good, strict=True):
+        c = j - disparity[i, j]
+        A = [[f, 0, cx - j], [0, f, cy - i], [f, 0, cx - c], [0, f, cy - i]]
+        found = np.linalg.lstsq(np.array(A), np.array([0, 0, f * B, 0]), rcond=None)[0]
+        assert_allclose(point, found, rtol=1e-7, atol=1e-9)
+
+
+def each_window_is_its_partner_but_for_the_light(answer, left, right):
+    """The windows of each answered pixel and its partner differ by a constant, and none is even.
+
+    A prefilter of 9 rows sees texture up to 4 pixels outside of its window of 15.
+    """
+    assert np.isfinite(answer)[8:-8, 142:-8].mean() > 0.5
+    found = answer[np.isfinite(answer)]
+    assert abs(np.median(found - np.rint(found))) < 0.05
+    for i, j in np.argwhere(np.isfinite(answer)):
+        d = round(float(answer[i, j]))
+        assert 7 <= j - d
+        mine, partner = (
+            eye[max(i - 11, 0) : i + 12, column - 7 : column + 8].astype(float)
+            for eye, column in ((left, j), (right, j - d))
+        )
+        assert mine.std() > 0.1 and (mine - partner).std() < 1e-9

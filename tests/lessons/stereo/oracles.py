@@ -93,7 +93,7 @@ def two_lines_of_sight_by_least_squares(answer, disparity, f, B, cx, cy):
 def each_window_is_its_partner_but_for_the_light(answer, left, right):
     """The windows of each answered pixel and its partner differ by a constant, and none is even.
 
-    A prefilter of 9 rows sees texture up to 4 pixels outside of its window of 15.
+    The prefilter sees texture up to 4 pixels outside of a window of 15.
     """
     assert np.isfinite(answer)[8:-8, 142:-8].mean() > 0.5
     found = answer[np.isfinite(answer)]
@@ -101,8 +101,9 @@ def each_window_is_its_partner_but_for_the_light(answer, left, right):
     for i, j in np.argwhere(np.isfinite(answer)):
         d = round(float(answer[i, j]))
         assert 7 <= j - d
+        out = min(11, j - d, left.shape[1] - 1 - j)
         mine, partner = (
-            eye[max(i - 11, 0) : i + 12, column - 7 : column + 8].astype(float)
+            eye[max(i - 11, 0) : i + 12, column - out : column + out + 1].astype(float)
             for eye, column in ((left, j), (right, j - d))
         )
         assert mine.std() > 0.1 and (mine - partner).std() < 1e-9

@@ -1,4 +1,4 @@
-"""Exercises 8.5 to 8.8: how far a pair sees, whether both eyes agree, points, a whole matcher."""
+"""Exercises 8.5 to 8.8: whether both eyes agree, how far a pair sees, points, a whole matcher."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _pairs_of_cameras(rng: np.random.Generator) -> list[tuple]:
 
 
 RANGE = Exercise(
-    number="8.5",
+    number="8.6",
     title="Between which depths",
     reference=working_range,
     cases=_pairs_of_cameras,
@@ -114,7 +114,7 @@ def _told(ask: Callable) -> Callable:
 
 
 CONSISTENT = Exercise(
-    number="8.6",
+    number="8.5",
     title="Do both eyes agree?",
     reference=consistent,
     cases=_costs,
@@ -298,4 +298,4 @@ MATCHER = Exercise(
     timeout=60.0,
 )
 
-EXERCISES = (RANGE, CONSISTENT, POINTS, MATCHER)
+EXERCISES = (CONSISTENT, RANGE, POINTS, MATCHER)

@@ -223,7 +223,7 @@ def test_filters_refuse(call, error, words):
 
 
 def test_each_scan_may_have_an_origin_of_its_own():
-    points = np.add(RNG(5).normal(size=(4, 20, 3)), [6, 0, 0])
+    points = np.array([6.0, 0, 0]) + RNG(5).normal(size=(4, 20, 3))
     origins = RNG(6).normal(size=(4, 3))
     wanted = [cloud.incidence(line, origin) for line, origin in zip(points, origins, strict=True)]
     np.testing.assert_array_equal(cloud.incidence(points, origins), wanted)

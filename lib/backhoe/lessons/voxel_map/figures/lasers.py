@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from backhoe.basics.inputs import numbers
-from backhoe.view.plots.style import BLUE, GREEN, GREY, ORANGE, PALE, PURPLE, RED, figure, styled
+from backhoe.view.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, styled
 
 __all__ = ["COLOURS", "dots"]
 
@@ -18,10 +18,9 @@ COLOURS = {
     "right laser": ORANGE,
     "stereo pair": GREEN,
     "kept": BLUE,
-    "removed": RED,
+    "removed": GREY,
     "mixed pixels": RED,
     "true": BLUE,
-    "the rest": PALE,
     "the machine": ORANGE,
     "unknown": PURPLE,
 }
@@ -52,14 +51,16 @@ def dots(
     """
     if not panels or not all(panels.values()):
         raise ValueError("dots needs a panel with points: title -> {label: points (n, 2)}")
-    fig, axes = figure(3.6 * max(len(panels), 2), 4.3, 1, len(panels), squeeze=False, sharey=True)
+    fig, axes = figure(
+        7.2, 4.3 + 1.3 * (len(panels) == 1), 1, len(panels), squeeze=False, sharey=True
+    )
     labels: dict[str, object] = {}
     for ax, (title, clouds) in zip(axes[0], panels.items(), strict=True):
         for label, points in clouds.items():
             x, y = np.reshape(points, (-1, np.shape(points)[-1])).T[:2]
             numbers(x, label, finite=False)
             (labels[label],) = ax.plot(
-                x, y, ".", ms=size, mew=0, color=COLOURS.get(label, GREY), label=label
+                x, y, ".", ms=size, mew=0, color=COLOURS.get(label, GREEN), label=label
             )
         if truth is not None:
             ax.plot(*numbers(truth, "truth", ("n", 2)).T, color="k", lw=1.2, label="truth")

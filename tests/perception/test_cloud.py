@@ -231,3 +231,15 @@ def test_each_scan_may_have_an_origin_of_its_own():
     np.testing.assert_array_equal(cloud.shadow_filter(points, origins), masks)
     with pytest.raises(ValueError, match="origin must be one point or one for each scan"):
         cloud.incidence(points, origins[:3])
+
+
+def test_small_clouds_outliers_are_those_that_all_distances_tell():
+    """In clouds of a dozen, n - 1 and whether a point is its own neighbour decide on some."""
+    for seed in range(200):
+        points = RNG(seed).normal(size=(12, 3)) * RNG(seed + 1000).choice([1.0, 3.0], (12, 1))
+        apart = np.linalg.norm(points[:, None] - points, axis=-1)
+        mean = [np.sort(np.delete(row, k))[:3].sum() / 3 for k, row in enumerate(apart)]
+        middle = sum(mean) / 12
+        deviation = (sum((d - middle) ** 2 for d in mean) / 11) ** 0.5
+        wanted = [d <= middle + deviation for d in mean]
+        np.testing.assert_array_equal(cloud.statistical_outliers(points, 3, 1.0), wanted)

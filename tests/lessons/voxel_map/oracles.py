@@ -46,3 +46,50 @@ def pair_by_pair(answer, points, origin):
             if angle < 10 or angle > 170:
                 keep[line, k] = keep[line, k + 1] = False
     np.testing.assert_array_equal(answer, keep)
+from math import exp, isnan, log
+
+import numpy as np
+
+# Lesson 09b, occupancy
+
+
+def bayes_with_probabilities_and_their_limits(answer, log_odds, reflected):
+    """Bayes' rule on probabilities, voxel by voxel, and the clamps as probabilities."""
+    assert np.shape(answer) == log_odds.shape
+    for now, told, found in zip(log_odds.flat, reflected.flat, np.ravel(answer), strict=True):
+        p = 0.5 if np.isnan(now) else 1 / (1 + exp(-now))
+        occupied = 1 / (1 + exp(-1.39 if told else 0.80))
+        p = occupied * p / (occupied * p + (1 - occupied) * (1 - p))
+        p = min(max(p, 1 / (1 + exp(2.0))), 1 / (1 + exp(-3.48)))
+        assert abs(found - log(p / (1 - p))) < 1e-9
+
+
+def every_voxel_about_a_ray_asked_whether_it_is_cut(answer, origin, end, size, most):
+    """Slabs: for each voxel of the box about the ray, when the ray enters and leaves it."""
+    length = float(np.linalg.norm(end - origin))
+    share = min(1.0, most / length)
+    stop = origin + share * (end - origin)
+    low, high = (np.floor(f(origin, stop) / size).astype(int) for f in (np.minimum, np.maximum))
+    axes = [np.arange(a, b + 1) for a, b in zip(low, high, strict=True)]
+    cells = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 3)
+    times = (np.stack([cells, cells + 1]) * size - origin) / (end - origin)
+    enter = np.maximum(times.min(axis=0).max(axis=1), 0.0)
+    leave = np.minimum(times.max(axis=0).min(axis=1), share)
+    order = np.argsort(enter[leave > enter + 1e-12])
+    way = cells[leave > enter + 1e-12][order]
+    told = np.full(len(way), -0.80)
+    told[-1] = 1.39
+    if share < 1:
+        way, told = way[:-1], told[:-1]
+    assert np.shape(answer) == (len(way), 4)
+    np.testing.assert_array_equal(answer[:, :3], way)
+    np.testing.assert_allclose(answer[:, 3], told, rtol=1e-9)
+
+
+def counted_look_by_look(answer, log_odds, occupied):
+    """Looks added one after the other until the voxel changes sides."""
+    odds, looks = log_odds, 0
+    while isnan(odds) or (odds >= 0) != occupied:
+        odds = (0.0 if isnan(odds) else odds) + (1.39 if occupied else -0.80)
+        looks += 1
+    assert answer == looks

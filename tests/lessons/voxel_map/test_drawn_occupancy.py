@@ -31,7 +31,9 @@ def slices():
         for title, odds, label in (("a", upper, ""), ("b", lower, "along [m]"))
     ]
     given = {"a": (x, y, upper), "b": (x, y, lower)}
-    return figures.slices(given, "along [m]", "up [m]", truth=ground, sensor=laser), panels
+    return figures.slices(
+        given, "along [m]", "up [m]", truth=ground, sensor=laser, stretch=2.0
+    ), panels
 
 
 def cubes():
@@ -77,6 +79,7 @@ def test_bad_figures_say_why():
         (lambda: figures.slices({}, "", ""), "needs a panel"),
         (lambda: figures.slices({"a": ([0, 1], [0, 1], [[1, 2]])}, "", ""), "shape"),
         (lambda: figures.cubes({}), "needs a panel"),
+        (lambda: figures.cubes({"a": ([[0, 0, 0]], 0.1, (0, 1))}, columns=2), "divide the 1"),
         (lambda: figures.cubes({"a": ([[0, 0]], 0.1, (0, 1))}), "middles"),
         (lambda: figures.cubes({"a": ([[0, 0, 0]], 0.0, (0, 1))}), "edge"),
     ]:

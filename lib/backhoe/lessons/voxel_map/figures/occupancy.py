@@ -11,7 +11,7 @@ from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import number, numbers, positive
+from backhoe.basics.inputs import number, numbers, positive, whole
 from backhoe.perception.octree.log_odds import L_MAX, L_MIN
 from backhoe.view.plots.style import BLUE, DARK, GREY, PALE, RED, figure, styled
 
@@ -29,6 +29,7 @@ def slices(
     ylabel: str,
     truth: ArrayLike | None = None,
     sensor: ArrayLike | None = None,
+    stretch: float = 1.0,
 ) -> Figure:
     """Log-odds of the voxels in a vertical slice: blue free, red occupied, grey unknown.
 
@@ -38,9 +39,10 @@ def slices(
         xlabel, ylabel: quantity with its unit.
         truth: a line of the true surface, shape (k, 2) [m].
         sensor: where the rays come from, shape (2,) [m].
+        stretch: by which heights are drawn larger than lengths [1].
 
     Raises:
-        ValueError: no panel, or edges that do not fit the log-odds.
+        ValueError: no panel, edges that do not fit the log-odds, or no stretch above 0.
     """
     if not panels:
         raise ValueError("slices needs a panel: title -> (edges, edges, log_odds)")
@@ -50,7 +52,8 @@ def slices(
         odds = numbers(odds, title, (len(y) - 1, len(x) - 1), finite=False)
         drawn[title] = (x, y, odds)
     x, y, _ = next(iter(drawn.values()))
-    high = 0.7 + 5.4 * (y[-1] - y[0]) / (x[-1] - x[0])
+    stretch = positive(stretch, "stretch")
+    high = 0.7 + 5.4 * stretch * (y[-1] - y[0]) / (x[-1] - x[0])
     fig, axes = figure(6.8, 0.4 + high * len(drawn), len(drawn), squeeze=False, sharex=True)
     for ax, (title, (x, y, odds)) in zip(axes[:, 0], drawn.items(), strict=True):
         ax.set_facecolor(PALE)
@@ -61,7 +64,7 @@ def slices(
             ax.plot(*numbers(truth, "truth", ("n", 2)).T, color=DARK, lw=1.6, label="true surface")
         if sensor is not None:
             ax.plot(*numbers(sensor, "sensor", (2,)), "v", color=DARK, ms=8, label="laser")
-        ax.set(aspect="equal", ylabel=ylabel, xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+        ax.set(aspect=stretch, ylabel=ylabel, xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         ax.set_title(title, loc="left", fontsize=10)
     axes[-1, 0].set_xlabel(xlabel)
     fig.colorbar(mesh, ax=axes[:, 0], label="log-odds [1]", shrink=0.8, aspect=15)
@@ -95,6 +98,7 @@ def cubes(
     panels: Mapping[str, tuple[ArrayLike, float, tuple[float, float]]],
     names: Mapping[str, ArrayLike] | None = None,
     heights: tuple[float, float] = (-0.5, 3.5),
+    columns: int = 1,
 ) -> Figure:
     """Occupied voxels of one size as cubes, their colour by height, seen from afar.
 
@@ -103,14 +107,19 @@ def cubes(
             `rise` of the eye, as for `projected`, rise above 0 [rad]).
         names: words -> the place that they name, shape (3,) [m].
         heights: of the ends of the colour scale [m].
+        columns: panels side by side.
 
     Raises:
-        ValueError: no panel, middles of another shape, or an edge that is not above 0.
+        ValueError: no panel, middles of another shape, an edge that is not above 0, or columns
+            that the panels do not fill.
     """
     if not panels:
         raise ValueError("cubes needs a panel: title -> (middles, edge, (turn, rise))")
-    fig, axes = figure(6.8, 3.4 * len(panels), len(panels), squeeze=False)
-    for ax, (title, (middles, edge, eye)) in zip(axes[:, 0], panels.items(), strict=True):
+    rows, rest = divmod(len(panels), whole(columns, "columns", least=1))
+    if rest:
+        raise ValueError(f"columns must divide the {len(panels)} panels, got {columns}")
+    fig, axes = figure(6.8, 3.4 * rows, rows, columns, squeeze=False)
+    for ax, (title, (middles, edge, eye)) in zip(axes.flat, panels.items(), strict=True):
         middles = numbers(middles, "middles", ("n", 3), meaning="x, y, z [m]")
         corners, across = _faces(middles, positive(edge, "edge", "m"), projected(np.eye(3), *eye))
         seen = projected(corners, *eye)

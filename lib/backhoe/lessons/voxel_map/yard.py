@@ -56,8 +56,8 @@ class Yard:
         """
         step = positive(step, "step", "deg")
         turn, rise = np.meshgrid(np.arange(-50, 120, step), np.arange(-60, 3, step))
-        shift = self._rng.uniform(0, step, (2, 1))
-        turn, rise = np.radians([turn.ravel(), rise.ravel()] + shift)
+        shift = self._rng.uniform(0, step, 2)
+        turn, rise = np.radians((turn.ravel() + shift[0], rise.ravel() + shift[1]))
         rays = np.stack([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
         hits = self._sight.cast(np.tile(self.laser, (turn.size, 1)), rays.T)
         noise = LASERS["left"].noise * self._rng.standard_normal(turn.size)

@@ -93,3 +93,36 @@ def counted_look_by_look(answer, log_odds, occupied):
         odds = (0.0 if isnan(odds) else odds) + (1.39 if occupied else -0.80)
         looks += 1
     assert answer == looks
+
+# 9.7 to 9.9, terrain
+
+
+def weighted_by_information_or_begun_anew(answer, h, P, z, R, gate):
+    """The mean of both weighed by 1 / variance; the past counts only within the gate's interval."""
+    half = gate * np.hypot(P**0.5, R**0.5)
+    past = not np.isnan(h) and h - half <= z <= h + half
+    heights, variances = ([h, z], [P, R]) if past else ([z], [R])
+    weights = 1 / np.array(variances)
+    assert_allclose(answer, (np.average(heights, weights=weights), 1 / weights.sum()), rtol=1e-9)
+
+
+def a_weighted_sum_by_its_whole_covariance(
+    answer, before, after, var_before, var_after, cell, lift
+):
+    """Mean and variance of w . h for all heights in a row, whose covariance is written out."""
+    n = before.size
+    weights = np.repeat([cell**2, -(cell**2)], n)
+    C = np.diag(np.r_[var_before.ravel(), var_after.ravel()])
+    C[:n, :n] += lift**2
+    C[n:, n:] += lift**2
+    value = weights @ np.r_[before.ravel(), after.ravel()]
+    assert_allclose(answer, (value, (weights @ C @ weights) ** 0.5), rtol=1e-9)
+
+
+def all_pairs_of_voxels(answer, occupied, cell):
+    """Each voxel's distance to each occupied one, as complex numbers, and the least of them."""
+    i, j = np.indices(occupied.shape)
+    places = i + 1j * j
+    assert_allclose(
+        answer, cell * abs(places[..., None] - places[occupied]).min(axis=-1), atol=1e-9
+    )

@@ -15,7 +15,7 @@ WIDEST = 1 << 26
 
 def is_soil(
     points: ArrayLike,
-    steepest: float = pi / 4,
+    steepest: float = pi / 5,
     tolerance: float = 0.15,
     cell: float = 0.1,
 ) -> NDArray:

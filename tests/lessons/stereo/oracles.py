@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.testing import assert_allclose
-from scipy.optimize import root
+from scipy.optimize import brentq, root
 
 # 08a, camera
 
@@ -47,9 +47,9 @@ def seen_again_by_both_cameras(answer, u, v, d, f, cx, cy, baseline):
     assert left[2] > 0
     assert_allclose(left[:2] / left[2], [u, v], rtol=1e-9, atol=1e-9)
     assert_allclose(right[:2] / right[2], [u - d, v], rtol=1e-9, atol=1e-7)
-from scipy.optimize import brentq
 
-# Lesson 08b
+
+# 08b, matching
 
 
 def the_last_disparity_and_the_slope_of_depth(answer, f, B, disparities, sigma, most):

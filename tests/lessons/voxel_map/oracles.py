@@ -1,10 +1,12 @@
 """What proves the references of the chapter: each oracle says its way in its docstring."""
 
+from math import exp, isnan, log
+
 import numpy as np
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-# lesson 09a, lasers
+# 09a, lasers
 
 
 def undone_step_by_step(answer, ranges, angle, nod, poses):
@@ -46,11 +48,9 @@ def pair_by_pair(answer, points, origin):
             if angle < 10 or angle > 170:
                 keep[line, k] = keep[line, k + 1] = False
     np.testing.assert_array_equal(answer, keep)
-from math import exp, isnan, log
 
-import numpy as np
 
-# Lesson 09b, occupancy
+# 09b, occupancy
 
 
 def bayes_with_probabilities_and_their_limits(answer, log_odds, reflected):
@@ -94,7 +94,8 @@ def counted_look_by_look(answer, log_odds, occupied):
         looks += 1
     assert answer == looks
 
-# 9.7 to 9.9, terrain
+
+# 09c, terrain
 
 
 def weighted_by_information_or_begun_anew(answer, h, P, z, R, gate):

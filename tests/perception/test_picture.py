@@ -215,6 +215,18 @@ def test_the_compiled_picture_is_the_plain_one():
     assert len(set(filled[0][1].ravel())) >= 4
 
 
+def test_the_light_is_the_suns_share_and_the_shades():
+    """A level, even ground: brightness (ambient + (1 - ambient) sun's height), by hand."""
+    caster, _ = scene()
+    T = looking((-8, 0, 2.2), (-4, 0, 0.2))
+    paint = Paint(0.5, ambient=0.4)
+    seen = view(caster, CAMERA, T, (paint, paint), TEXTURE)
+    height = 0.80 / np.sqrt(0.36**2 + 0.48**2 + 0.80**2)
+    expected = 255 * 0.5 * (0.4 + 0.6 * height)
+    soil = seen.grey[seen.surface == 0]
+    assert len(soil) > 1000 and np.abs(soil - expected).max() <= 0.51
+
+
 def test_a_level_camera_looks_where_it_is_told():
     T = looking((1, 2, 3), (4, 6, 3))
     np.testing.assert_allclose(T[:3, 2], [0.6, 0.8, 0], atol=1e-12)

@@ -22,8 +22,7 @@ def layers():
             track(points[mask][:, [1, row]], name)
             for mask, name in ((soil, "ground"), (~soil, "things"))
         ]
-        xlabel = "$y$ [m], the machine's left is left" if row else ""
-        panels.append(Panel(xlabel, label, items))
+        panels.append(Panel("$y$ [m], left is left", label, items))
     fig = figures.layers(points, soil)
     assert fig.axes[0].get_xlim()[0] > fig.axes[0].get_xlim()[1]
     return fig, panels

@@ -27,13 +27,12 @@ def layers(points: ArrayLike, soil: ArrayLike) -> Figure:
     """
     points = numbers(points, "points", ("n", 3))
     soil = truths(soil, "soil", (len(points),))
-    fig, axes = figure(7.2, 6.4, 2, height_ratios=(3, 1), sharex=True)
+    fig, axes = figure(6.6, 7.0, 2, height_ratios=(3, 1))
     for ax, row, label in zip(axes, (0, 2), ("$x$ [m]", "$z$ [m]"), strict=True):
         for mask, colour, name in ((soil, GREY, "ground"), (~soil, ORANGE, "things")):
             ax.plot(*points[mask][:, [1, row]].T, ".", ms=1.5, color=colour, label=name)
-        ax.set(ylabel=label, aspect="equal")
-    axes[0].invert_xaxis()
-    axes[1].set_xlabel("$y$ [m], the machine's left is left")
+        ends = points[:, 1].max() + 0.3, points[:, 1].min() - 0.3
+        ax.set(xlabel="$y$ [m], left is left", ylabel=label, aspect="equal", xlim=ends)
     fig.legend(
         *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, markerscale=6
     )

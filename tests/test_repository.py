@@ -11,7 +11,7 @@ import yaml
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 HEAVY_BY_NATURE = re.compile(
-    r"backhoe\.(view\.plots(\..*)?|simulation\.\w+|lessons\.\w+\.(figures|bench)|.*kernels|.*compiled|.*engine)"
+    r"backhoe\.(view\.plots(\..*)?|simulation\.\w+|lessons\.\w+\.(figures(\.\w+)?|bench)|.*kernels|.*compiled|.*engine)"
 )
 HEAVY = ("scipy", "matplotlib", "pybullet", "numba", "IPython", "ipywidgets", "control", "sympy")
 

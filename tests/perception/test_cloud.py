@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import radians
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from backhoe.perception import cloud
 from backhoe.perception.cloud import engine, loops
 
 RNG = np.random.default_rng
+DATA = Path(__file__).resolve().parents[2] / "data"
 
 
 def by_voxel(points: np.ndarray, leaf: float) -> np.ndarray:
@@ -243,3 +245,14 @@ def test_small_clouds_outliers_are_those_that_all_distances_tell():
         deviation = (sum((d - middle) ** 2 for d in mean) / 11) ** 0.5
         wanted = [d <= middle + deviation for d in mean]
         np.testing.assert_array_equal(cloud.statistical_outliers(points, 3, 1.0), wanted)
+
+
+def test_filters_give_what_pcls_own_tests_ask_of_pcl():
+    """Facts of PCL's `test_filters.cpp` on its cloud bun0."""
+    points = np.loadtxt(DATA / "clouds" / "bun0.csv", delimiter=",", skiprows=1)
+    assert len(points) == 397
+    assert len(cloud.voxel_grid(points, 0.02)) == 103
+    keep = cloud.statistical_outliers(points, 50, 1.0)
+    assert keep.sum() == 352
+    np.testing.assert_allclose(points[keep][-1], [-0.034667, 0.15131, -0.00071029])
+    assert cloud.radius_outliers(points, 0.02, 14).sum() == 307

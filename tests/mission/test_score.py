@@ -8,7 +8,7 @@ import pytest
 from backhoe.localisation.drives import Noise
 from backhoe.machine import BACKHOE
 from backhoe.mission import estimation, recorded
-from backhoe.mission.score import _estimate_errors, _measure, _measure_drive
+from backhoe.mission.score import _estimate_errors, _measure, _measure_drive, _measure_survey
 
 RNG = np.random.default_rng(8)
 
@@ -95,3 +95,23 @@ def test_on_a_circle_the_accelerometer_is_pushed_towards_the_centre():
     rows = np.zeros((200, 9))
     rows[:, 0], rows[:, 3], rows[:, 4], rows[:, 5] = t, omega * t, v, omega
     np.testing.assert_allclose(recorded._motion(rows).acceleration, [[0.0, v * omega]] * 200)
+
+
+def test_a_surveys_numbers_are_of_the_looks_that_they_say():
+    faults = {"left": [10, 2], "right": [30, 3], "stereo": [200, 5]}
+    seen = {name: SimpleNamespace(faults=np.array(pair)) for name, pair in faults.items()}
+    rows = np.array([[0.5, 0.3, 0.0], [0.0, np.nan, np.nan], [0.7, 0.4, 0.0]])
+    run = SimpleNamespace(
+        heap={"stereo": rows, "lasers": rows + 0.1},
+        clouds=[seen, seen],
+        found=np.array([0.5, 1.0]),
+        false=np.array([7.0, 0.2]),
+        left=np.array([np.nan, 0.9, 0.3, 0.2, 0.1]),
+        dark=0.8,
+        swapped=(),
+    )
+    found = _measure_survey(run)
+    assert (found.seen, found.covered, found.found) == pytest.approx((0.6, 0.7, 0.75))
+    assert found.off == pytest.approx(np.sqrt((0.09 + 0.16) / 2))
+    assert (found.wrong, found.strays) == pytest.approx((0.025, 0.125))
+    assert (found.false, found.left, found.dark) == (0.2, 0.3, 0.8)

@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 from backhoe import mission
+from backhoe.arm import kinematics
+from backhoe.mission import sensing
 from backhoe.mission.sensing import BEYOND, Chart, laser_cloud
 from backhoe.mission.surveying import SurveyRun
-from backhoe.mission.worksite import worked
+from backhoe.mission.worksite import SET_OFF, SWEEP, TICK, Led, worked
 from backhoe.perception.cloud import incidence, shadow_filter
+from backhoe.perception.laser import deskew, sensor_poses
 from backhoe.perception.octree import OccupancyOctree
 from backhoe.perception.stereo import block_match
 
@@ -71,21 +74,57 @@ def test_what_is_seen_while_it_swings_lies_where_it_is():
         assert run.heap["lasers"][k, 1] < 0.01 and run.found[k] > 0.93
 
 
-def test_behind_the_machine_nothing_is_known():
+def test_a_look_while_it_swings_is_of_the_motion_that_is_led():
+    from scipy.interpolate import PchipInterpolator
+
+    look = worked(1, 0, False).looks[2]
+    lift, swing = mission.hand_made_plan(0)[4:6]
+    ends = [kinematics.inverse_kinematics(np.array(point.target)) for point in (lift, swing)]
+    when = look.motion.time + SET_OFF + TICK
+    wanted = PchipInterpolator([0.0, swing.time], ends)(when)
+    assert look.event == "while it swings" and when[-1] == pytest.approx(SET_OFF + SWEEP + TICK)
+    np.testing.assert_allclose(look.motion.q, wanted, atol=1e-9)
+    assert np.ptp(look.motion.q[:, 0]) > 0.5
+
+
+def test_the_soil_is_told_the_buckets_own_motion(monkeypatch):
+    led, told = Led(0), []
+    monkeypatch.setattr(led.ground, "advance", lambda *given: told.append(given))
+    before, step = led.q.copy(), np.array([0.0, 0.02, -0.05, 0.04]) * TICK
+    led.dig(before + step, step / TICK)
+    T, velocity, dt, pitch_rate = told[0]
+    tips = [kinematics.forward_kinematics(q)[:3, 3] for q in (before, before + step)]
+    np.testing.assert_allclose(velocity, (tips[1] - tips[0]) / dt, atol=1e-3)
+    np.testing.assert_allclose(T[:3, 3], tips[1], atol=1e-9)
+    turned = [kinematics.pose(q)[3] for q in (before, before + step)]
+    assert (dt, led.time) == (TICK, TICK)
+    assert pitch_rate == pytest.approx(0.01) and turned[1] - turned[0] != 0.0
+
+
+def before_and_behind_the_machine():
+    """Points kept on the machine, and the shares that are known half a metre before and behind."""
     look, chart = worked(1, 0, False).looks[0], Chart(OccupancyOctree, 0.2)
-    laser_cloud(look, "left", shadow_filter, chart)
+    own = laser_cloud(look, "left", shadow_filter, chart).own
     scan = look.scans["left"]
     on_it = np.isin(scan.surface, look.own)
-    alone = on_it.copy()
+    inner = on_it.copy()
     for axis in (0, 1):
-        alone &= np.roll(on_it, 1, axis) & np.roll(on_it, -1, axis)
-    assert alone.sum() > 50
-    from backhoe.perception.laser import deskew
+        inner &= np.roll(on_it, 1, axis) & np.roll(on_it, -1, axis)
+    assert inner.sum() > 100
+    shares = []
+    for further in (-0.5, 0.8):
+        points = deskew(scan.laser, scan.time, scan.truth + further, look.motion)[inner]
+        shares.append(np.isfinite(chart.log_odds(points)).mean())
+    return own, *shares
 
-    for further, known in ((-0.5, True), (0.8, False)):
-        points = deskew(scan.laser, scan.time, scan.truth + further, look.motion)[alone]
-        share = np.isfinite(chart.log_odds(points)).mean()
-        assert share > 0.9 if known else share < 0.1
+
+def test_what_falls_on_the_machine_is_no_obstacle_and_frees_nothing(monkeypatch):
+    own, before, behind = before_and_behind_the_machine()
+    assert own == 0 and before < 0.1 and behind < 0.03
+    monkeypatch.setattr(sensing, "_off_the_machine", lambda points, *a: np.ones(len(points), bool))
+    own, before, behind = before_and_behind_the_machine()
+    assert own > 150 and before > 0.9, "the filter is what takes them out"
+    assert behind < 0.03
 
 
 def test_the_map_does_not_grow_while_nothing_new_is_seen():
@@ -341,10 +380,7 @@ def test_a_map_that_answers_in_another_shape_is_named():
 def test_beams_that_meet_nothing_free_up_to_the_range_and_no_further():
     look, chart = worked(1, 0, False).looks[0], Chart(OccupancyOctree, 0.2)
     cloud = laser_cloud(look, "left", shadow_filter, chart)
-    eye = look.scans["left"].laser.mount
-    from backhoe.perception.laser import sensor_poses
-
-    start = sensor_poses(eye, 0.0, look.motion)[:3, 3]
+    start = sensor_poses(look.scans["left"].laser.mount, 0.0, look.motion)[:3, 3]
     ahead = (cloud.empty - start) / BEYOND
     assert len(cloud.empty) > 500
     assert (chart.log_odds(start + 9.0 * ahead) < 0).mean() > 0.99

@@ -281,3 +281,42 @@ def test_truth_values_pass_as_they_are():
     mask = np.eye(3, dtype=bool)
     assert inputs.truths(mask, "inside", (3, "n")) is mask
     assert inputs.truths([[True, False]], "inside", (1, 2)).tolist() == [[True, False]]
+
+
+@pytest.mark.parametrize("value", [None, 1, 0, "yes", np.zeros(1, bool)])
+def test_a_flag_is_true_or_false(value):
+    with pytest.raises(ValueError, match="plain must be True or False, got"):
+        inputs.flag(value, "plain")
+    assert inputs.flag(np.True_, "plain") is True and inputs.flag(False, "plain") is False
+
+
+@pytest.mark.parametrize("value", [(0, 4), (4, 2.5), (4, 10**9), (4, np.nan), 7, None, (1, 2, 3)])
+def test_a_picture_has_a_width_and_a_height(value):
+    with pytest.raises(ValueError, match="size must be"):
+        inputs.image_size(value)
+    assert inputs.image_size((np.int64(4), 3.0)) == (4, 3)
+
+
+def test_a_pose_is_a_rotation_and_a_translation():
+    T = np.eye(4)
+    T[:3] = [[0, -1, 0, 5], [1, 0, 0, 6], [0, 0, 1, 7]]
+    np.testing.assert_array_equal(inputs.pose([T, T], "T"), [T, T])
+    wrong = [np.diag([1.0, 1, -1, 1]), 2 * T, np.diag([1.0, 1, 1, 2]), T[:3], T * np.nan]
+    for value in (*wrong, np.diag([1e200, 1, 1, 1]), T + 1e-5):
+        with pytest.raises(ValueError, match=r"^T must be"):
+            inputs.pose(value, "T")
+
+
+def test_a_list_of_one_kind_names_the_one_that_is_not():
+    assert inputs.instances((1, 2), "paints", int) == [1, 2]
+    with pytest.raises(TypeError, match=r"paints\[1\] must be a int, got str"):
+        inputs.instances([1, "2"], "paints", int)
+    for value in (None, 3, "12", {1: 2}, np.ones(2)):
+        with pytest.raises(TypeError, match="paints must be a list or tuple of int, got"):
+            inputs.instances(value, "paints", int)
+
+
+def test_numbers_may_be_bound():
+    np.testing.assert_array_equal(inputs.numbers([-2, 1], "x", ("n",), within=2), [-2, 1])
+    with pytest.raises(ValueError, match="x must be within 2, got 3"):
+        inputs.numbers([-3, 1], "x", ("n",), within=2)

@@ -24,20 +24,27 @@ __all__ = [
     "alike",
     "choice",
     "covariance",
+    "flag",
     "function",
     "generator",
+    "image_size",
     "indices",
     "instance",
+    "instances",
     "not_negative",
     "number",
     "numbers",
     "picture",
+    "pose",
     "positive",
     "real_numbers",
     "steps",
     "times",
     "whole",
 ]
+
+MOST_PIXELS = 1 << 15
+"""Along a side of a picture."""
 
 _FLOAT = np.dtype(float)
 _SYMMETRY = 1e-9
@@ -79,6 +86,7 @@ def numbers(
     *,
     meaning: str = "",
     finite: bool = True,
+    within: float = inf,
 ) -> NDArray:
     """`values` as an array of floats, finite and of a given shape.
 
@@ -89,12 +97,13 @@ def numbers(
             `...` in front for any leading axes; None for any shape.
         meaning: what the numbers are, for the error, such as "joints (swing, boom, stick, bucket)".
         finite: whether NaN and infinities are refused.
+        within: largest magnitude that is accepted, of the values' unit.
 
     Returns:
         The array; `values` itself when it is an array of floats.
 
     Raises:
-        ValueError: not real numbers, another shape, or a value that is not finite.
+        ValueError: not real numbers, another shape, or a value that is not finite or too large.
     """
     array = real_numbers(values, name)
     if shape is not None and array.shape != shape and not _fits(array.shape, shape):
@@ -103,6 +112,8 @@ def numbers(
         where = tuple(map(int, np.argwhere(~np.isfinite(array))[0]))
         at = f" at index {where if len(where) > 1 else where[0]}" if where else ""
         raise ValueError(f"{name} must be finite, got {array[where]}{at}")
+    if within < inf and array.size and np.abs(array).max() > within:
+        raise ValueError(f"{name} must be within {within:g}, got {np.abs(array).max():g}")
     return array
 
 
@@ -127,10 +138,10 @@ def picture(value: NDArray, name: str) -> NDArray:
         ValueError: another shape or type; the error says how to make one.
     """
     if not isinstance(value, np.ndarray) or value.dtype != np.uint8 or value.ndim != 2:
-        kind = f", {value.dtype}" if isinstance(value, np.ndarray) else ""
+        given = f"shape {value.shape}, {value.dtype}" if hasattr(value, "dtype") else short(value)
         raise ValueError(
-            f"{name} must be a grey picture, uint8 of shape (rows, columns), got shape "
-            f"{np.shape(value)}{kind}: average the colours, scale to 0..255, use astype(np.uint8)"
+            f"{name} must be a grey picture, uint8 of shape (rows, columns), got {given}: "
+            f"average the colours, scale to 0..255, use astype(np.uint8)"
         )
     if not value.size:
         raise ValueError(f"{name} must have a pixel, got shape {value.shape}")
@@ -238,6 +249,42 @@ def steps(dt: ArrayLike, count: int, name: str = "dt") -> NDArray:
     return dt
 
 
+def flag(value: bool, name: str) -> bool:
+    """True or False as a bool; ValueError for anything else."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name} must be True or False, got {short(value)}")
+    return bool(value)
+
+
+def image_size(value: tuple[int, int], name: str = "size") -> tuple[int, int]:
+    """Width and height of a picture, two whole numbers of 1 or more [pixels]; ValueError if not."""
+    sides = numbers(value, name, (2,), meaning="width, height [pixels]")
+    if (sides < 1).any() or (sides != np.floor(sides)).any() or (sides > MOST_PIXELS).any():
+        raise ValueError(
+            f"{name} must be width and height, whole numbers from 1 to {MOST_PIXELS} [pixels], "
+            f"got {short(value)}"
+        )
+    return int(sides[0]), int(sides[1])
+
+
+def pose(value: ArrayLike, name: str) -> NDArray:
+    """A pose, shape (4, 4) [1, m], or (..., 4, 4): a rotation, a translation, and 0, 0, 0, 1.
+
+    Raises:
+        ValueError: another shape, not finite, or no rigid motion.
+    """
+    T = numbers(value, name, (..., 4, 4), meaning="a pose")
+    R = T[..., :3, :3]
+    small = np.abs(R).max(initial=0.0) < 2
+    rigid = small and np.abs(R @ np.swapaxes(R, -1, -2) - np.eye(3)).max(initial=0.0) < 1e-6
+    if not rigid or (np.linalg.det(R) < 0).any() or (T[..., 3, :] != [0, 0, 0, 1]).any():
+        raise ValueError(
+            f"{name} must be rigid, a rotation R with R R^T = 1 and det R = 1, and a translation, "
+            f"last row 0, 0, 0, 1, got {short(T)}"
+        )
+    return T
+
+
 def alike(**arrays: NDArray) -> None:
     """ValueError, with their names and shapes, unless all arrays have the same shape (any unit)."""
     shapes = [array.shape for array in arrays.values()]
@@ -320,6 +367,16 @@ def instance(value: object, name: str, kind: type | tuple[type, ...], advice: st
         more = f": {advice}" if advice else ""
         raise TypeError(f"{name} must be a {listed}, got {type(value).__name__}{more}")
     return value
+
+
+def instances(values: Sequence, name: str, kind: type, advice: str = "") -> list:
+    """`values`, a list or tuple, as a list if all are of that kind; TypeError, with the advice, if
+    not."""
+    if not isinstance(values, (list, tuple)):
+        raise TypeError(
+            f"{name} must be a list or tuple of {kind.__name__}, got {type(values).__name__}"
+        )
+    return [instance(one, f"{name}[{k}]", kind, advice) for k, one in enumerate(values)]
 
 
 def function(value: object, name: str, form: str) -> object:

@@ -12,11 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import alike, numbers, whole
+from backhoe.basics.inputs import alike, image_size, numbers, positive, whole
 from backhoe.perception.camera.pinhole import Pinhole
 from backhoe.perception.camera.rectification import Pair
 from backhoe.perception.camera.rotations import nearest_rotation, rotation, rotation_vector
 from backhoe.perception.camera.zhang import board_poses, homography, intrinsic_matrix
+
+_FARTHEST = 1e6
+"""Corner of a board from its origin [m]."""
+
+_TRIES = 100
+"""Of least squares, which a good set of pictures ends within 30."""
 
 _STEP = 1e-6
 """Of central differences, a share of what they vary."""
@@ -61,8 +67,13 @@ def calibrate(
     """
     board = _board(object_points)
     seen = _views(image_points, "image_points", board, size)
-    K = intrinsic_matrix(np.stack([homography(board[:, :2], view) for view in seen]), size)
-    guess = board_poses(board, seen, K)
+    try:
+        K = intrinsic_matrix(np.stack([homography(board[:, :2], view) for view in seen]), size)
+        guess = board_poses(board, seen, K)
+    except np.linalg.LinAlgError as error:
+        raise ValueError(
+            "object_points and image_points leave the camera open: corners must not fall together"
+        ) from error
     start = np.r_[K[0, 0], K[1, 1], K[0, 2], K[1, 2], np.zeros(5), guess.ravel()]
 
     def errors(x: NDArray) -> NDArray:
@@ -123,13 +134,16 @@ def calibrate_pair(
 
 def chessboard(columns: int, rows: int, square: float) -> NDArray:
     """Inner corners of a chessboard by rows, shape (rows * columns, 3), a `square` apart [m]."""
-    columns, rows = whole(columns, "columns", least=2), whole(rows, "rows", least=2)
+    columns = whole(columns, "columns", least=2, most=1000)
+    rows = whole(rows, "rows", least=2, most=1000)
     i, j = np.divmod(np.arange(rows * columns), columns)
-    return np.stack([j, i, 0 * i], axis=-1) * float(square)
+    return np.stack([j, i, 0 * i], axis=-1) * positive(square, "square", "m")
 
 
 def _board(points: ArrayLike) -> NDArray:
-    board = numbers(points, "object_points", ("n", 3), meaning="corners x, y, z [m]")
+    board = numbers(
+        points, "object_points", ("n", 3), meaning="corners x, y, z [m]", within=_FARTHEST
+    )
     if board[:, 2].any():
         raise ValueError("object_points must lie in the plane z = 0: a flat board's own frame")
     if len(board) < 4 or np.linalg.matrix_rank(board[:, :2] - board[0, :2]) < 2:
@@ -140,8 +154,9 @@ def _board(points: ArrayLike) -> NDArray:
 
 
 def _views(points: ArrayLike, name: str, board: NDArray, size: tuple[int, int]) -> NDArray:
-    width, height = (whole(side, "size", least=1) for side in size)
-    if lost := [view for view, found in enumerate(points) if found is None]:
+    width, height = image_size(size)
+    listed = points if isinstance(points, list | tuple) else ()
+    if lost := [view for view, found in enumerate(listed) if found is None]:
         raise ValueError(f"{name}: no board in view {lost[0]}: leave out views without a whole one")
     meaning = f"pixels of {len(board)} corners in each view"
     seen = numbers(points, name, ("views", len(board), 2), meaning=meaning)
@@ -211,7 +226,13 @@ def _least_squares(
         x_scale="jac",
         xtol=1e-12,
         ftol=1e-12,
+        max_nfev=_TRIES,
     )
+    if found.status == 0:
+        raise ValueError(
+            f"object_points and image_points must be of one board: no camera fits after {_TRIES} "
+            f"tries, the corners still {_rms(found.fun):.3g} pixels apart"
+        )
     J, scale = found.jac, np.linalg.norm(found.jac, axis=0)
     left = max(J.shape[0] - J.shape[1], 1)
     P = np.linalg.inv((J / scale).T @ (J / scale)) / np.outer(scale, scale)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import alike, numbers
+from backhoe.basics.inputs import alike, instance, numbers
 from backhoe.perception.camera.pinhole import Pinhole
 
 
@@ -30,6 +30,8 @@ def fundamental_matrix(left: Pinhole, right: Pinhole, R: ArrayLike, t: ArrayLike
 
     R (3, 3) [1] and t (3,) [m] as in `essential_matrix`.
     """
+    for name, lens in (("left", left), ("right", right)):
+        instance(lens, name, Pinhole)
     F = np.linalg.inv(right.K).T @ essential_matrix(R, t) @ np.linalg.inv(left.K)
     return F / np.linalg.norm(F)
 

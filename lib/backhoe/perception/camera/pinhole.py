@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import number, numbers, whole
+from backhoe.basics.inputs import image_size, number, numbers
 
 _NEWTON_STEPS = 30
 _CONVERGED = 1e-12
@@ -45,8 +45,7 @@ class Pinhole:
             raise ValueError(
                 f"K must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], fx, fy > 0, got {K.tolist()}"
             )
-        sides = numbers(self.size, "size", (2,), meaning="width, height [pixels]").astype(int)
-        size = tuple(whole(side, "size", least=1) for side in sides.tolist())
+        size = image_size(self.size)
         meaning = "coefficients k1, k2, p1, p2, k3"
         D = numbers(self.distortion, "distortion", (5,), meaning=meaning)
         for name, value in (("K", K), ("size", size), ("distortion", D)):
@@ -59,10 +58,10 @@ class Pinhole:
         `size` is width and height [pixels]; the optical axis goes through the picture's middle.
 
         Raises:
-            ValueError: an angle that is not between 0 and pi.
+            ValueError: a size, or an angle that is not from 1e-6 to below pi.
         """
-        angle = number(field_of_view, "field_of_view", "rad", above=0, below=np.pi)
-        width, height = numbers(size, "size", (2,), meaning="width, height [pixels]")
+        angle = number(field_of_view, "field_of_view", "rad", least=1e-6, below=np.pi)
+        width, height = image_size(size)
         f = width / 2 / np.tan(angle / 2)
         return cls([[f, 0, (width - 1) / 2], [0, f, (height - 1) / 2], [0, 0, 1]], size)
 

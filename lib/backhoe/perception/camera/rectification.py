@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import instance, number, numbers
+from backhoe.basics.inputs import instance, number, numbers, short
 from backhoe.perception.camera.pinhole import Pinhole
 from backhoe.perception.camera.rotations import rotation, rotation_vector
 
@@ -146,10 +146,14 @@ def remap(image: NDArray, where: ArrayLike) -> NDArray:
         where it does not reach.
 
     Raises:
-        ValueError: other shapes.
+        ValueError: other shapes, or no numbers.
     """
-    if not isinstance(image, np.ndarray) or image.ndim not in (2, 3) or min(image.shape[:2]) < 2:
-        raise ValueError(f"image must have shape (rows, columns), got {np.shape(image)}")
+    fits = isinstance(image, np.ndarray) and image.dtype.kind in "uif" and image.ndim in (2, 3)
+    if not fits or min(image.shape[:2]) < 2:
+        raise ValueError(
+            f"image must have shape (rows, columns) or (rows, columns, 3), numbers, 2 rows and "
+            f"columns or more, got {short(image)}"
+        )
     where = numbers(where, "where", (..., 2), meaning="columns and rows [pixels]", finite=False)
     rows, columns = image.shape[:2]
     inside = ((where >= 0) & (where <= [columns - 1, rows - 1])).all(axis=-1)

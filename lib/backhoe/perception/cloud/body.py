@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import instance, not_negative, numbers
+from backhoe.basics.inputs import instance, instances, not_negative, numbers, pose
+from backhoe.perception.cloud.filters import FARTHEST
 
 PADDING = 0.05
 """What the source adds to the links' surface [m]."""
@@ -36,7 +37,7 @@ def hull(vertices: ArrayLike) -> Convex:
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    vertices = numbers(vertices, "vertices", ("n", 3), meaning="coordinates [m]")
+    vertices = numbers(vertices, "vertices", ("n", 3), meaning="coordinates [m]", within=FARTHEST)
     try:
         planes = np.unique(ConvexHull(vertices).equations.round(12), axis=0)
     except (QhullError, ValueError) as error:
@@ -51,7 +52,8 @@ def box(low: ArrayLike, high: ArrayLike) -> Convex:
     Raises:
         ValueError: not finite, another shape, or a low corner that is not below the high one.
     """
-    ends = np.array([numbers(low, "low", (3,)), numbers(high, "high", (3,))])
+    named = zip(("low", "high"), (low, high), strict=True)
+    ends = np.array([numbers(end, name, (3,), within=FARTHEST) for name, end in named])
     if (ends[0] >= ends[1]).any():
         raise ValueError(f"low must be below high along every axis, got {ends[0]} and {ends[1]}")
     return hull([[ends[i, 0], ends[j, 1], ends[k, 2]] for i, j, k in np.ndindex(2, 2, 2)])
@@ -84,15 +86,15 @@ def self_filter(
     points = np.ascontiguousarray(numbers(points, "points", ("n", 3), meaning="coordinates [m]"))
     padding = not_negative(padding, "padding", "m")
     planes, first, middles, radii = [np.empty((0, 4))], [0], [], []
+    instance(volumes, "volumes", Mapping)
+    instance(poses, "poses", Mapping)
     for link, parts in volumes.items():
         if link not in poses:
-            raise ValueError(f"poses must have the link {link!r}, got {', '.join(poses) or 'none'}")
-        T = numbers(poses[link], f"the pose of {link}", (4, 4))
+            listed = ", ".join(map(str, poses)) or "none"
+            raise ValueError(f"poses must have the link {link!r}, got {listed}")
+        T = pose(numbers(poses[link], f"the pose of {link}", (4, 4)), f"the pose of {link}")
         R = T[:3, :3]
-        if not (np.allclose(R @ R.T, np.eye(3), atol=1e-6) and np.array_equal(T[3], [0, 0, 0, 1])):
-            raise ValueError(f"the pose of {link} must be a rotation and a translation, got {T}")
-        for part in parts:
-            part = instance(part, f"a volume of {link}", Convex, "make one by box or hull")
+        for part in instances(parts, f"volumes of {link}", Convex, "make one by box or hull"):
             normals = part.planes[:, :3] @ R.T
             planes.append(np.c_[normals, part.planes[:, 3] - normals @ T[:3, 3]])
             first.append(first[-1] + len(normals))

@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import not_negative, number, numbers, positive, real_numbers, whole
 
+FARTHEST = 1e9
+"""Coordinates that a tree of points is made of [m]."""
+
 
 def incidence(points: ArrayLike, origin: ArrayLike) -> NDArray:
     """Angle at each point between its ray back to the sensor and the line to the next point.
@@ -73,14 +76,14 @@ def shadow_filter(
     least = number(least, "least", "rad", least=0.0, most=pi)
     most = number(most, "most", "rad", above=least, most=pi)
     neighbours = whole(neighbours, "neighbours", least=1)
-    keep = ~np.isnan(np.asarray(points)).any(axis=-1)
+    keep = ~np.isnan(real_numbers(points, "points")).any(axis=-1)
     sharp = (angles < least) | (angles > most)
     count = keep.shape[-1]
-    for step in range(1 - neighbours, neighbours + 1):
-        if abs(step) < count:
-            gone = sharp[..., max(-step, 0) : min(count - step, count - 1)]
-            first = max(step, 0)
-            keep[..., first : first + gone.shape[-1]] &= ~gone
+    neighbours = min(neighbours, count)
+    for step in range(1 - neighbours, min(neighbours + 1, count)):
+        gone = sharp[..., max(-step, 0) : min(count - step, count - 1)]
+        first = max(step, 0)
+        keep[..., first : first + gone.shape[-1]] &= ~gone
     return keep
 
 
@@ -105,7 +108,7 @@ def statistical_outliers(points: ArrayLike, neighbours: int, multiplier: float) 
     """
     from scipy.spatial import cKDTree
 
-    points = numbers(points, "points", ("n", 3), meaning="coordinates [m]")
+    points = numbers(points, "points", ("n", 3), meaning="coordinates [m]", within=FARTHEST)
     neighbours = whole(neighbours, "neighbours", least=1)
     multiplier = not_negative(multiplier, "multiplier")
     if len(points) <= neighbours:
@@ -131,6 +134,6 @@ def radius_outliers(points: ArrayLike, radius: float, neighbours: int) -> NDArra
     """
     from scipy.spatial import cKDTree
 
-    points = numbers(points, "points", ("n", 3), meaning="coordinates [m]")
+    points = numbers(points, "points", ("n", 3), meaning="coordinates [m]", within=FARTHEST)
     radius, neighbours = positive(radius, "radius", "m"), whole(neighbours, "neighbours", least=1)
     return cKDTree(points).query_ball_point(points, radius, return_length=True) > neighbours

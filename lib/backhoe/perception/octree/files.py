@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from backhoe.basics.inputs import choice
+from backhoe.basics.inputs import choice, instance
 
 FIRST_LINES = {".bt": b"# Octomap OcTree binary file", ".ot": b"# Octomap OcTree file"}
 NOTE = b"# (feel free to add / change comments, but leave the first line as it is!)"
@@ -30,7 +30,8 @@ class Content(NamedTuple):
 
 
 def suffix_of(path: str | Path) -> str:
-    """`.bt` or `.ot`; ValueError for another."""
+    """`.bt` or `.ot`; ValueError for another, TypeError for what is no path."""
+    instance(path, "path", (str, Path))
     return choice(Path(path).suffix, "the file's ending", tuple(FIRST_LINES))
 
 

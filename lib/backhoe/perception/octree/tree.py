@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import choice, number, numbers, positive, whole
+from backhoe.basics.inputs import choice, flag, number, numbers, positive, whole
 from backhoe.perception.octree import files, stream
 from backhoe.perception.octree.log_odds import HIT, L_MAX, L_MIN, MISS
 from backhoe.perception.octree.nodes import DEPTH, SPARE
@@ -241,7 +241,7 @@ class OccupancyOctree:
         from backhoe.perception.octree import engine
 
         ends, met = np.empty(origins.shape), np.empty(len(origins), np.int64)
-        tree, through = (self._value, self._child), bool(through_unknown)
+        tree, through = (self._value, self._child), flag(through_unknown, "through_unknown")
         engine.cast(
             *tree, origins, directions / lengths, self.resolution, max_range, through, ends, met
         )
@@ -260,6 +260,7 @@ class OccupancyOctree:
 
         Raises:
             ValueError: another ending; a `.bt` of a map that is one leaf as a whole.
+            TypeError: what is no path.
         """
         tree = self
         if files.suffix_of(path) == ".bt":

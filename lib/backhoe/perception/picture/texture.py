@@ -12,10 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.basics.inputs import numbers, positive, whole
+from backhoe.basics.inputs import number, numbers, positive, whole
 
 WAVELENGTHS = (0.04, 0.08, 0.16, 0.32, 0.64)
 """Of the noise [m]."""
+
+MOST_PIXELS = 1 << 12
+"""Along a side of a tile."""
 
 
 def smooth_noise(
@@ -36,7 +39,10 @@ def smooth_noise(
         ValueError: a number out of range.
     """
     numbers(wavelengths, "wavelengths", ("n",), meaning="lengths [m]")
-    pixels, side = whole(pixels, "pixels", least=8), positive(side, "side", "m")
+    pixels, side = (
+        whole(pixels, "pixels", least=8, most=MOST_PIXELS),
+        number(side, "side", "m", least=1e-3, most=1e6),
+    )
     rng = np.random.default_rng([whole(seed, "seed", least=0), 7])
     waves = np.fft.rfft2(rng.standard_normal((pixels, pixels)))
     per_metre = np.hypot(
@@ -90,6 +96,6 @@ class Texture:
 
 
 def _power_of_two(pixels: int, least: int) -> int:
-    if whole(pixels, "pixels", least=least) & (pixels - 1):
+    if whole(pixels, "pixels", least=least, most=MOST_PIXELS) & (pixels - 1):
         raise ValueError(f"pixels must be a power of two, got {pixels}")
     return pixels

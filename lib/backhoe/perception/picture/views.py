@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import instance, number, numbers
+from backhoe.basics.inputs import instance, instances, number, numbers, pose
 from backhoe.basics.tiles import for_each_tile
 from backhoe.perception.camera import Pinhole
 from backhoe.perception.picture.texture import Texture
@@ -97,13 +97,11 @@ def view(
     for name, value, kind in (("caster", caster, RayCaster), ("camera", camera, Pinhole)):
         instance(value, name, kind)
     instance(texture, "texture", Texture)
-    if len(paints) != caster.surfaces:
+    coats = instances(paints, "paints", Paint)
+    if len(coats) != caster.surfaces:
         raise ValueError(f"paints must be one for each of {caster.surfaces}, got {len(paints)}")
-    coats = [instance(paint, "paint", Paint) for paint in paints]
     table = np.array([[p.brightness, p.contrast, p.ambient] for p in coats])
-    T = numbers(T_world_camera, "T_world_camera", (4, 4), meaning="a pose")
-    if np.abs(T[:3, :3] @ T[:3, :3].T - np.eye(3)).max() > 1e-6:
-        raise ValueError("T_world_camera must be rigid: a rotation R with R R^T = 1")
+    T = pose(numbers(T_world_camera, "T_world_camera", (4, 4), meaning="a pose"), "T_world_camera")
     width, height = camera.size
     shape = height, width
     depth, surface = np.empty(shape), np.empty(shape, dtype=np.int64)

@@ -9,7 +9,18 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import alike, instance, number, numbers, positive
+from backhoe.basics.inputs import (
+    MOST_PIXELS,
+    alike,
+    flag,
+    instances,
+    number,
+    numbers,
+    pose,
+    positive,
+    real_numbers,
+    whole,
+)
 from backhoe.basics.tiles import for_each_tile
 from backhoe.perception.rays.loops import BLOCK, Surfaces
 from backhoe.perception.rays.tree import box_tree
@@ -109,14 +120,11 @@ class RayCaster:
         plain: bool = False,
         reach: float = 160.0,
     ) -> None:
-        for field in fields:
-            instance(field, "field", HeightField)
-        for body in bodies:
-            instance(body, "body", Body)
-        self._bodies = list(bodies)
+        fields = instances(fields, "fields", HeightField)
+        self._bodies = bodies = instances(bodies, "bodies", Body)
         self._owners = np.repeat(np.arange(len(bodies)), [len(b.triangles) for b in bodies])
         hole = np.zeros(5)
-        if plain:
+        if flag(plain, "plain"):
             hole[4] = positive(reach, "reach", "m")
             if fields:
                 (x0, y0), (rows, columns) = fields[0].origin, fields[0].heights.shape
@@ -151,10 +159,9 @@ class RayCaster:
         """Move the bodies to poses in the world, shape (bodies, 4, 4) [m]."""
         if not self._bodies:
             return
-        T = numbers(poses, "poses", (len(self._bodies), 4, 4), meaning="a pose for each body")
+        wanted = (len(self._bodies), 4, 4)
+        T = pose(numbers(poses, "poses", wanted, meaning="a pose for each body"), "poses")
         R, p = T[:, :3, :3], T[:, :3, 3]
-        if np.abs(R @ np.swapaxes(R, 1, 2) - np.eye(3)).max() > 1e-6:
-            raise ValueError("poses must be rigid: each rotation R with R R^T = 1")
         bodies = self._scene.bodies
         bodies[:, :9] = np.swapaxes(R, 1, 2).reshape(-1, 9)
         bodies[:, 9:12] = -np.einsum("bji,bj->bi", R, p)
@@ -174,7 +181,8 @@ class RayCaster:
             ValueError: shapes, values that are not finite, or a vector of length 0.
         """
         vector = numbers(vector, "vector", ("n", 3), meaning="x, y, z [m]")
-        start = numbers(start, "start", (3,) if np.ndim(start) == 1 else ("n", 3))
+        start = real_numbers(start, "start")
+        start = numbers(start, "start", (3,) if start.ndim == 1 else ("n", 3), meaning="points [m]")
         start = np.ascontiguousarray(
             np.broadcast_to(start, vector.shape) if start.ndim == 1 else start
         )
@@ -217,10 +225,15 @@ class RayCaster:
         Returns:
             A function of the first row and the one after the last: inverse depths [1/m] and numbers
             of triangles as `raster.cover` has them, -1 for none, shape (rows, width) each.
+
+        Raises:
+            ValueError: shapes, numbers that are not finite, or a pose that is none.
         """
         from backhoe.perception.rays import engine
 
-        corners, triangles = self._before(T)
+        K = numbers(K, "K", (3, 3), meaning="an intrinsic matrix [pixels]")
+        width = whole(width, "width", least=1, most=MOST_PIXELS)
+        corners, triangles = self._before(pose(numbers(T, "T", (4, 4), meaning="a pose"), "T"))
         fields = self._scene.fields
         lens = K[0, 0], K[1, 1], K[0, 2], K[1, 2]
 

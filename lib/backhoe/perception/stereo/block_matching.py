@@ -73,7 +73,10 @@ def block_match(
         )
     texture = number(texture, "texture", least=0)
     uniqueness = whole(uniqueness, "uniqueness", least=0, most=100)
-    speckle, step = whole(speckle, "speckle", least=0), positive(step, "step", "pixels")
+    speckle, step = (
+        whole(speckle, "speckle", least=0, most=1 << 30),
+        positive(step, "step", "pixels"),
+    )
     if left_right is not None:
         left_right = not_negative(left_right, "left_right", "pixels")
     left, right = (

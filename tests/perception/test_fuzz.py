@@ -1,0 +1,377 @@
+"""Wrong input at every public function of perception: a right answer, or an error that names it.
+
+`CALLS` has one valid call of each; each argument in turn, then pairs of them, become what they must
+not be. Allowed are a result, or a ValueError or TypeError that names an argument and says what was
+expected or what came; no other error, no crash, no lack of memory, no changed input.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import inspect
+import pkgutil
+import re
+import warnings
+from functools import cache
+
+import numpy as np
+import pytest
+
+import backhoe.perception
+from backhoe.perception import camera, cloud, octree, picture, rays, stereo
+from backhoe.view import shapes
+
+RNG = np.random.default_rng(0)
+LENS = camera.Pinhole.of_view((40, 30), 1.0)
+BENT = camera.Pinhole(LENS.K, LENS.size, [-0.2, 0.05, 0.001, 0, 0])
+PAIR = camera.Pair(LENS, LENS, np.eye(3), [-0.4, 0.0, 0.0])
+FIELD = rays.HeightField(RNG.uniform(0, 1, (9, 11)), 0.5, (-2.0, -2.0))
+CRATE = rays.Body(*shapes.box((-1, -1, 0), (1, 1, 1)))
+PAINT = picture.Paint(0.5, 0.3)
+POINTS = RNG.normal(size=(40, 3))
+LEFT, RIGHT = RNG.integers(0, 256, (2, 24, 60)).astype(np.uint8)
+BOARD = camera.chessboard(4, 3, 0.1)
+SHEETS = np.stack(
+    [
+        LENS.project((BOARD - [0.15, 0.1, 0]) @ camera.rotation(turn).T + [0, 0, 0.9])
+        for turn in ([0.3, 0.1, 0], [-0.2, 0.3, 0.1], [0.1, -0.4, 0.2])
+    ]
+)
+PLANE = RNG.uniform(-0.4, 0.4, (12, 2))
+OTHER = PLANE + np.c_[RNG.uniform(-0.3, -0.1, 12), np.zeros(12)]
+POSE = picture.looking((4, 0, 3), (0, 0, 0))
+RESULTS = "Calibration Rectified Hits View Leaves Met Convex".split()
+"""Made by functions, not by hand."""
+
+
+@cache
+def texture() -> picture.Texture:
+    return picture.Texture.of_noise(0, 0.64, 16)
+
+
+def caster() -> rays.RayCaster:
+    return rays.RayCaster([FIELD], [CRATE], np.eye(4)[None], plain=True, reach=50.0)
+
+
+def tree() -> octree.OccupancyOctree:
+    made = octree.OccupancyOctree(0.2)
+    made.insert_scan(POINTS, [0.0, 0.0, 0.0])
+    return made
+
+
+def calls(folder) -> dict[str, tuple]:
+    """A function and its arguments under its name, every one of them."""
+    tree().save(folder / "good.ot")
+    left, right = {"left": PLANE, "right": OTHER}, {"R": np.eye(3), "t": np.array([0.3, 0.1, 0.0])}
+    match = {"disparities": 16, "window": 5, "prefilter": "sobel", "cap": 31, "normalising": 9}
+    sure = {"texture": 10.0, "uniqueness": 15, "speckle": 20, "step": 1.0, "left_right": 1.0}
+    box = cloud.box([0, 0, 0], [1, 1, 1])
+    level = np.zeros((4 * 64 - 1) // 3)
+    board = {"object_points": BOARD, "size": (40, 30)}
+    odds = {"hit": 1.39, "miss": -0.8, "l_min": -2.0, "l_max": 3.48}
+    f = {"focal": 500.0, "baseline": 0.4}
+    table = {
+        camera.Pinhole: {"K": LENS.K, "size": (40, 30), "distortion": np.zeros(5)},
+        camera.Pinhole.of_view: {"size": (40, 30), "field_of_view": 1.0},
+        camera.Pair: {"left": LENS, "right": LENS, **right},
+        camera.calibrate: {**board, "image_points": SHEETS},
+        camera.calibrate_pair: {**board, "left_points": SHEETS, "right_points": SHEETS - 0.3},
+        camera.chessboard: {"columns": 5, "rows": 4, "square": 0.1},
+        camera.cross_matrix: {"t": right["t"]},
+        camera.eight_points: left,
+        camera.epipolar_lines: {"F": camera.essential_matrix(**right), "pixels": PLANE},
+        camera.essential_matrix: right,
+        camera.fundamental_matrix: {"left": LENS, "right": LENS, **right},
+        camera.pixel_map: {"camera": LENS, "R": np.eye(3), "K": LENS.K},
+        camera.rectify: {"pair": PAIR},
+        camera.relative_pose: {"E": camera.essential_matrix(np.eye(3), [-0.2, 0, 0]), **left},
+        camera.remap: {"image": LEFT, "where": RNG.uniform(0, 20, (7, 2))},
+        camera.rotation: {"vector": right["t"]},
+        camera.rotation_vector: {"R": camera.rotation([0.1, 0.2, 0.3])},
+        camera.triangulate: {**left, "R": np.eye(3), "t": np.array([-0.2, 0.0, 0.0])},
+        stereo.block_match: {"left": LEFT, "right": RIGHT, **match, **sure},
+        stereo.prefiltered: {
+            "image": LEFT, "prefilter": "normalised", "cap": 31, "normalising": 9
+        },
+        stereo.depth: {"disparity": RNG.uniform(0, 60, (4, 5)), **f},
+        stereo.depth_deviation: {"z": RNG.uniform(1, 9, 5), **f, "disparity_deviation": 0.2},
+        stereo.point_covariance: {
+            "points": np.abs(POINTS) + 1, **f, "disparity_deviation": 0.2, "pixel_deviation": 0.3
+        },
+        stereo.reproject: {
+            "disparity": RNG.uniform(0, 60, (4, 5)), "Q": camera.rectify(PAIR).Q
+        },
+        rays.HeightField: {"heights": FIELD.heights, "cell": 0.5, "origin": (-2.0, -2.0)},
+        rays.Body: {"vertices": POINTS[:4], "faces": np.array([[0, 1, 2], [0, 2, 3]])},
+        rays.RayCaster: {
+            "fields": [FIELD], "bodies": [CRATE], "poses": np.eye(4)[None], "plain": True,
+            "reach": 9.0,
+        },
+        picture.Paint: {"brightness": 0.5, "contrast": 0.3, "ambient": 0.5},
+        picture.Texture: {"levels": level, "pixels": 8, "side": 1.0},
+        picture.Texture.of_noise: {"seed": 1, "side": 0.64, "pixels": 16},
+        picture.looking: {"eye": np.array([4.0, 0, 3]), "target": np.zeros(3)},
+        picture.smooth_noise: {
+            "seed": 1, "wavelengths": (0.04, 0.08), "side": 0.64, "pixels": 16
+        },
+        picture.view: {
+            "caster": caster(), "camera": BENT, "T_world_camera": POSE, "paints": [PAINT] * 3,
+            "texture": texture(),
+        },
+        cloud.box: {"low": np.zeros(3), "high": np.ones(3)},
+        cloud.hull: {"vertices": POINTS},
+        cloud.incidence: {"points": POINTS, "origin": np.zeros(3)},
+        cloud.shadow_filter: {
+            "points": POINTS, "origin": np.zeros(3), "least": 0.2, "most": 3.0, "neighbours": 1
+        },
+        cloud.statistical_outliers: {"points": POINTS, "neighbours": 5, "multiplier": 1.0},
+        cloud.radius_outliers: {"points": POINTS, "radius": 0.5, "neighbours": 2},
+        cloud.self_filter: {
+            "points": POINTS, "volumes": {"boom": [box]}, "poses": {"boom": np.eye(4)},
+            "padding": 0.05,
+        },
+        cloud.voxel_grid: {"points": POINTS, "leaf": 0.3},
+        octree.OccupancyOctree: {"resolution": 0.1, **odds},
+        octree.OccupancyOctree.load: {"path": folder / "good.ot", **odds},
+    }  # fmt: skip
+    found = {function.__qualname__: (function, given) for function, given in table.items()}
+    ray = {"start": np.tile([0.0, 0, 5], (3, 1)), "vector": np.array([[0.1, 0, -1.0]] * 3)}
+    cast = {"origins": POINTS, "directions": POINTS, "max_range": 3.0, "through_unknown": False}
+    methods = [
+        (lambda: LENS, "project", {"points": np.abs(POINTS)}),
+        (lambda: BENT, "distort", {"plane": PLANE}),
+        (lambda: BENT, "undistort", {"pixels": 30 * np.abs(PLANE)}),
+        (caster, "pose", {"poses": np.eye(4)[None]}),
+        (caster, "cast", {**ray, "most": 9.0}),
+        (caster, "covered", {"K": LENS.K, "T": POSE, "width": 40}),
+        (
+            tree,
+            "insert_scan",
+            {"points": POINTS, "origin": np.zeros(3), "max_range": 2.0, "rule": "scan"},
+        ),
+        (tree, "log_odds", {"points": POINTS, "depth": 15, "policy": "mean"}),
+        (tree, "leaves", {"depth": 14, "box": np.array([[-1.0] * 3, [1.0] * 3])}),
+        (tree, "bounds", {}),
+        (tree, "prune", {}),
+        (tree, "cast", cast),
+        (tree, "save", {"path": folder / "new.ot"}),
+    ]
+    for make, name, given in methods:
+        kind = type(make())
+
+        def call(_make=make, _name=name, **given):
+            return getattr(_make(), _name)(**given)
+
+        call.__signature__ = inspect.signature(getattr(kind, name))
+        found[f"{kind.__name__}.{name}"] = call, given
+    return found
+
+
+def public() -> set[str]:
+    """Names of all public functions, classes and methods of the perception packages."""
+    names = set()
+    for module in pkgutil.iter_modules(backhoe.perception.__path__):
+        package = importlib.import_module(f"backhoe.perception.{module.name}")
+        for name in package.__all__:
+            thing = getattr(package, name)
+            if name in RESULTS or not callable(thing):
+                continue
+            names.add(name)
+            if inspect.isclass(thing):
+                names |= {
+                    f"{name}.{key}"
+                    for key, value in vars(thing).items()
+                    if not key.startswith("_")
+                    and (inspect.isfunction(value) or isinstance(value, classmethod))
+                }
+    return names
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory):
+    return calls(tmp_path_factory.mktemp("fuzz"))
+
+
+def test_every_public_function_is_called_with_all_its_arguments(table):
+    assert set(table) == public()
+    for name, (function, given) in table.items():
+        wanted = {p for p in inspect.signature(function).parameters if p != "self"}
+        wanted = (wanted - {"arguments"}) | (wanted & {"arguments"} and set(given))
+        assert wanted == set(given), name
+
+
+SCALARS = [
+    None, "", "three", b"3", True, np.bool_(True), float("nan"), float("inf"), -float("inf"), 0, -1,
+    1.5, 2.5, 7, 10**30, -(10**30), 1e-320, 1e-12, 1e300, 3 + 4j, [], {}, (), object(), len, int,
+    np.zeros(0), np.zeros((0, 3)), np.zeros((0, 2)), np.zeros((2, 2, 2, 2)), [[1, 2], [3]], "NaN",
+    [None, None], np.array(["a", "b", "c"]), np.array(None), range(3), {1, 2}, np.float32(1.5),
+    np.datetime64("2020-01-01"), np.array(0.3), [[], []],
+]  # fmt: skip
+
+
+def hostile(good: object) -> list:
+    """What is put in the place of a good argument."""
+    values = list(SCALARS)
+    if isinstance(good, (list, tuple)):
+        values += [[], good[:1], [*good, *good], [*good, None], good[0], [None] * len(good)]
+    if isinstance(good, dict):
+        values += [
+            {k: None for k in good},
+            {k: [] for k in good},
+            {"other": 3},
+            {3: good},
+        ]
+        values += [{k: [None] for k in good}, {k: 7 for k in good}]
+    if isinstance(good, np.ndarray):
+        spoilt = [good.astype(float) for _ in range(4)]
+        for array, value in zip(spoilt, (np.nan, np.inf, 1e300, -1e-310), strict=True):
+            array.flat[array.size // 2] = value
+        values += [
+            *spoilt,
+            good[None],
+            good[:1],
+            good[:0],
+            good[..., :-1],
+            good[..., None],
+            good[0],
+        ]
+        values += [np.concatenate([good, good], axis=-1), np.concatenate([good] * 2), good[::-1]]
+        values += [
+            good.astype(kind) for kind in (object, str, complex, bool, int, np.float32, "f2")
+        ]
+        values += [good * 1e300, good * 1e-300, good * 0.0, -1.0 * good, good + 1e9, good * np.nan]
+        values += [np.asfortranarray(good), good.tolist(), np.ma.masked_array(good, good == good)]
+        values += [np.ma.masked_array(good), good.astype(">f8"), np.full_like(good, 5), good.T]
+    return values
+
+
+def frozen(value: object) -> object:
+    """A copy to compare with."""
+    if isinstance(value, np.ndarray):
+        return value.copy(), value.dtype
+    if isinstance(value, dict):
+        return {key: frozen(one) for key, one in value.items()}
+    return tuple(map(frozen, value)) if type(value) in (list, tuple) else value
+
+
+def unchanged(value: object, kept: object) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.dtype == kept[1] and value.tobytes() == kept[0].tobytes()
+    if isinstance(value, dict):
+        return all(unchanged(value[key], one) for key, one in kept.items())
+    if type(value) in (list, tuple):
+        return all(map(unchanged, value, kept))
+    return True
+
+
+@contextlib.contextmanager
+def little_memory():
+    """At most 2 GiB more than now, where the system can limit it."""
+    try:
+        import resource
+
+        with open("/proc/self/statm") as file:
+            now = int(file.read().split()[0]) * resource.getpagesize()
+    except (ImportError, OSError):
+        yield
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (now + (2 << 30), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def fault(function, given: dict, changed: list[str]) -> str | None:
+    """What is wrong with how a function takes these arguments; None for nothing."""
+    kept = {name: frozen(value) for name, value in given.items()}
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            function(**given)
+    except (ValueError, TypeError) as error:
+        said = str(error)
+        names = {name for one in given for name in (one, one.rstrip("s"), *SAID.get(one, ()))}
+        if not any(re.search(rf"(?<![A-Za-z]){re.escape(name)}", said) for name in names):
+            return f"does not name {' or '.join(changed)}: {type(error).__name__}: {said[:150]}"
+        if not re.search(r"\b(must|got|need|leave|open|cannot|claims|damaged)\b", said):
+            return f"says nothing of what is expected: {said[:150]}"
+    except Exception as error:
+        return f"{type(error).__name__}: {str(error)[:150]}"
+    if not all(unchanged(given[name], kept[name]) for name in given):
+        return "changes its input"
+    return None
+
+
+SAID = {
+    "bodies": ("body",),
+    "path": ("file", "good.ot"),
+    "volumes": ("volume",),
+    "poses": ("pose",),
+    "pair": ("right camera",),
+    "left": ("pictures", "points"),
+    "right": ("pictures", "points"),
+}
+"""Words that stand for an argument in an error."""
+
+SLOW = ("calibrate", "calibrate_pair")
+"""Too slow to try each value, and pairs of arguments."""
+
+NAMES = sorted(public())
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.timeout(300)
+def test_wrong_input_is_answered_or_refused_by_name(table, name):
+    function, given = table[name]
+    function(**given)
+    faults = []
+    with little_memory():
+        for one, good in given.items():
+            for value in hostile(good)[:: 3 if name in SLOW else 1]:
+                found = fault(function, {**given, one: value}, [one])
+                if found:
+                    faults.append(f"{one} = {shown(value)}: {found}")
+        rng = np.random.default_rng(len(name))
+        pairs = 0 if len(given) < 2 or name in SLOW else 60
+        for _ in range(pairs):
+            pair = [str(one) for one in rng.choice(list(given), 2, replace=False)]
+            wrong = {
+                one: (values := hostile(given[one]))[rng.integers(len(values))] for one in pair
+            }
+            found = fault(function, {**given, **wrong}, pair)
+            if found:
+                faults.append(f"{ {k: shown(v) for k, v in wrong.items()} }: {found}")
+    assert not faults, f"{len(faults)} faults\n" + "\n".join(faults[:40])
+
+
+def shown(value: object) -> str:
+    if isinstance(value, np.ndarray):
+        return f"<{value.shape} {value.dtype} {np.array2string(value.ravel()[:3])}>"[:90]
+    return repr(value)[:60]
+
+
+@pytest.mark.parametrize("ending", [".ot", ".bt"])
+def test_files_of_chance_are_maps_or_are_refused(ending, tmp_path):
+    path, rng = tmp_path / f"map{ending}", np.random.default_rng(5)
+    tree().save(path)
+    content = path.read_bytes()
+    start = content.index(b"data\n") + 5
+    with little_memory():
+        for trial in range(200):
+            wrong = bytearray(content)
+            for _ in range(rng.integers(1, 6)):
+                at = rng.integers(start if trial % 2 else 0, len(wrong))
+                wrong[at : at + rng.integers(0, 4)] = rng.bytes(rng.integers(0, 4))
+            if trial % 5 == 0:
+                size = int(rng.integers(0, 10**12))
+                wrong = re.sub(rb"size \d+", b"size %d" % size, bytes(wrong))
+            path.write_bytes(wrong)
+            try:
+                made = octree.OccupancyOctree.load(path)
+            except ValueError as error:
+                assert re.search("must|damaged|claims|more than", str(error)), error
+            else:
+                assert np.isfinite(made.leaves().log_odds).all()

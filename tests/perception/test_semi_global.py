@@ -77,6 +77,15 @@ def test_the_blind_strip_has_no_answer(matched):
     assert np.isnan(matched[:, :127]).all() and np.isfinite(matched[:, 127]).any()
 
 
+def test_a_pair_upside_down_is_matched_alike(loading):
+    part = np.s_[260:360, 300:620]
+    left, right = loading["left"][part], loading["right"][part]
+    upright = stereo.semi_global_match(left, right, disparities=96)
+    turned = stereo.semi_global_match(left[::-1].copy(), right[::-1].copy(), disparities=96)
+    assert np.isfinite(upright).mean() > 0.4
+    np.testing.assert_array_equal(upright, turned[::-1])
+
+
 def noise(rows, columns, seed):
     return np.random.default_rng(seed).integers(0, 255, (rows, columns), dtype=np.uint8)
 

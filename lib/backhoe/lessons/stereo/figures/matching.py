@@ -124,7 +124,7 @@ def _image(ax: Axes, values: NDArray, every: int, **colours: object) -> AxesImag
 def _grid(panels: Mapping[str, object]) -> tuple[Figure, NDArray]:
     columns = min(2, len(panels))
     rows = -(-len(panels) // columns)
-    fig, axes = figure(6.8, 2.4 * rows + 0.3, rows, columns, squeeze=False)
+    fig, axes = figure(6.8, 2.4 * rows + 0.5, rows, columns, squeeze=False)
     for ax in axes.flat:
         ax.grid(False)
     for ax in axes.flat[len(panels) :]:

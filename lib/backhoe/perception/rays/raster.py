@@ -80,8 +80,6 @@ def fill(a, b, c, number, lens, top, bottom, width, nearest, which):
     wx, wy, wz = cross(ax, ay, az, bx * turn, by * turn, bz * turn)
     fx, fy, mx, my = lens
     low_x, high_x, low_y, high_y = extent(ax, ay, az, bx, by, bz, cx, cy, cz)
-    if not low_x <= high_x:
-        return
     left = ceil(min(max(fx * low_x + mx - 1e-6, 0.0), float(width)))
     right = floor(max(min(fx * high_x + mx + 1e-6, width - 1.0), -1.0))
     first = ceil(min(max(fy * low_y + my - 1e-6, float(top)), float(bottom)))

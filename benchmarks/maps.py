@@ -1,4 +1,5 @@
-"""Clouds and maps: a voxel grid against Open3D, octree insertion against OctoMap, the self filter.
+"""Clouds and maps: a voxel grid against Open3D, octree insertion against OctoMap, the self filter,
+terrain, a distance transform against SciPy.
 
 Times are of the processor, the best of several; all of one thread but Open3D's, which takes what it
 likes. Exit code 1 when a limit is missed.
@@ -17,7 +18,9 @@ import pyoctomap
 
 from backhoe import simulation
 from backhoe.perception.cloud import box, self_filter, voxel_grid
+from backhoe.perception.distance_field import distance_transform
 from backhoe.perception.octree import OccupancyOctree
+from backhoe.perception.terrain_map import TerrainMap, is_soil
 from backhoe.simulation.sight import Sight
 
 
@@ -161,6 +164,42 @@ def body() -> list[bool]:
     return [report("self filter, 1e5 points, 18 volumes", time * 1e3, "ms", 20)]
 
 
+def terrain() -> list[bool]:
+    """A scan into the terrain of the loading scene, and its cost over 30 minutes of looks."""
+    rng = np.random.default_rng(0)
+    points = {
+        n: np.column_stack([rng.uniform(-3, 9, n), rng.uniform(-6, 7, n), rng.normal(0, 0.02, n)])
+        for n in (10_000, 30_000, 1_000_000)
+    }
+    ground, origin = TerrainMap((-3.0, -6.4), 175, 161, 0.08), [0.0, 0.0, 3.0]
+    times = {n: fastest(partial(ground.insert, some, origin)) for n, some in points.items()}
+    ok = [report("terrain, 3e4 points", times[30_000] * 1e3, "ms", 10)]
+    growth = times[1_000_000] / times[10_000] / 100
+    ok.append(report("terrain, cost a point, 1e6 points over 1e4", growth, "", 1.25))
+    early = fastest(partial(ground.insert, points[30_000], origin), 20)
+    for _ in range(1100):  # a sweep every 1.6 s
+        ground.insert(points[10_000], origin)
+    late = fastest(partial(ground.insert, points[30_000], origin), 20)
+    ok.append(report("terrain, a scan after 30 minutes over the first", late / early, "", 1.25))
+    layers = fastest(partial(is_soil, points[30_000]))
+    return [*ok, report("soil told from things, 3e4 points", layers * 1e3, "ms", 20)]
+
+
+def distances() -> list[bool]:
+    from scipy.ndimage import distance_transform_edt
+
+    occupied = np.random.default_rng(0).uniform(size=(110, 120, 65)) < 0.01
+    assert np.allclose(distance_transform(occupied), distance_transform_edt(~occupied), atol=1e-12)
+    mine, theirs = (
+        fastest(partial(distance_transform, occupied)),
+        fastest(partial(distance_transform_edt, ~occupied)),
+    )
+    print(f"distances in 110 x 120 x 65 voxels: {mine * 1e3:.0f} ms, SciPy {theirs * 1e3:.0f} ms")
+    return [report("distance transform over SciPy", mine / theirs, "", 0.5)]
+
+
 if __name__ == "__main__":
     scene_of = {n: scene(n)[0] for n in (10_000, 1_000_000)}
-    sys.exit(0 if all(grids() + maps() + mission() + body()) else 1)
+    jobs = (grids, maps, mission, body, terrain, distances)
+    results = [fine for job in jobs for fine in job()]
+    sys.exit(0 if all(results) else 1)

@@ -13,6 +13,7 @@ from backhoe.arm import kinematics
 from backhoe.mission import sensing
 from backhoe.mission.sensing import BEYOND, Chart, laser_cloud
 from backhoe.mission.surveying import SurveyRun
+from backhoe.mission.truth import truth_of
 from backhoe.mission.worksite import SET_OFF, SWEEP, TICK, Led, worked
 from backhoe.perception.cloud import incidence, shadow_filter
 from backhoe.perception.laser import deskew, sensor_poses
@@ -35,36 +36,55 @@ def noise() -> dict[str, float]:
     return {name: np.ptp([getattr(score, name) for score in scores]) for name in NUMBERS}
 
 
-def test_the_map_finds_what_the_beams_end_at_and_little_else():
-    for seed in SEEDS:
-        run = library(seed)
-        assert run.found.min() > 0.93
-        assert run.false[-1] < 0.1
-        assert run.dark == 1.0
-        assert sum(cloud.own for seen in run.clouds for cloud in seen.values()) == 0
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_map_finds_what_the_beams_end_at_and_little_else(seed):
+    run = library(seed)
+    assert run.found.min() > 0.93
+    assert run.false[-1] < 0.1
+    assert run.dark == 1.0
+    assert sum(cloud.own for seen in run.clouds for cloud in seen.values()) == 0
 
 
-def test_the_truck_that_left_is_gone_after_as_many_looks_as_clear_a_sure_voxel():
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_truck_that_left_is_gone_after_as_many_looks_as_clear_a_sure_voxel(seed):
     fresh = OccupancyOctree(0.2)
     looks = int(np.floor(fresh.l_max / -fresh.miss)) + 1
-    for seed in SEEDS:
-        run = library(seed)
-        away = [k for k, event in enumerate(run.events) if event == "the truck has left"]
-        assert len(away) == looks == 5
-        assert np.isnan(run.left[: away[0]]).all()
-        assert run.left[away[0]] > 0.5
-        assert run.left[away[-1]] < 0.02
+    run = library(seed)
+    away = [k for k, event in enumerate(run.events) if event == "the truck has left"]
+    assert len(away) == looks == 5
+    assert np.isnan(run.left[: away[0]]).all()
+    assert run.left[away[0]] > 0.5
+    assert run.left[away[-1]] < 0.02
 
 
-def test_the_heap_is_seen_to_its_noise_and_the_soil_that_is_gone_is_measured():
-    for seed in SEEDS:
-        run = library(seed)
-        for name, most in (("lasers", 0.005), ("stereo", 0.015)):
-            seen, off, high = run.heap[name][[0, -1]].T
-            assert (seen > 0.6).all() and (off < most).all() and (np.abs(high) < 0.002).all()
-        measured, true = run.dug
-        assert true > 0.6 and abs(measured - true) < 0.05
-        assert np.isnan(run.heap["stereo"][1]).all()
+def test_the_truck_that_came_is_there_after_as_many_looks_as_fill_a_sure_voxel():
+    fresh = OccupancyOctree(0.2)
+    assert np.ceil(-fresh.l_min / fresh.hit) == 2
+    run = library()
+    truths = [truth_of(look, run.resolution) for look in run.looks[:3]]
+    free = (run.odds[0] < 0) & truths[1].hit & truths[2].hit & ~truths[0].ground
+    assert free.sum() > 300 and run.odds[0][free].min() == pytest.approx(fresh.l_min)
+    assert (run.odds[2][free] >= 0).mean() > 0.9
+
+
+def test_soil_that_was_dug_away_stays_in_the_map_until_the_next_look_at_it():
+    run = library()
+    first, last = (truth_of(run.looks[k], run.resolution) for k in (0, -1))
+    dug = first.hit & (run.odds[1] >= 0) & ~last.ground
+    assert dug.sum() > 20
+    assert (run.odds[6][dug] >= 0).mean() > 0.9
+    assert (run.odds[-1][dug] >= 0).mean() < 0.02
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_heap_is_seen_to_its_noise_and_the_soil_that_is_gone_is_measured(seed):
+    run = library(seed)
+    for name, most in (("lasers", 0.005), ("stereo", 0.015)):
+        seen, off, high = run.heap[name][[0, -1]].T
+        assert (seen > 0.6).all() and (off < most).all() and (np.abs(high) < 0.002).all()
+    measured, true = run.dug
+    assert true > 0.6 and abs(measured - true) < 0.05
+    assert np.isnan(run.heap["stereo"][1]).all()
 
 
 def test_what_is_seen_while_it_swings_lies_where_it_is():

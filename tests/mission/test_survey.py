@@ -366,7 +366,7 @@ BAD = [
     ({"matcher": lambda left, right: left[:5].astype(float)}, ValueError, "your matcher.*shape"),
     ({"matcher": lambda left, right: np.full(left.shape, np.nan)}, ValueError, "no disparity"),
     ({"matcher": lambda left, right: None}, ValueError, "your matcher failed"),
-    ({"scan_filter": lambda p, origin: np.ones(p.shape[:2])}, ValueError, "True or False.*float"),
+    ({"scan_filter": lambda p, origin: np.ones(p.shape[:2])}, ValueError, "truth values.*float"),
     ({"scan_filter": lambda p, origin: np.ones(3, bool)}, ValueError, r"shape \(3,\)"),
     ({"map": lambda resolution: {}}, TypeError, "method insert_scan"),
     ({"map": 3}, TypeError, "map must be a function"),

@@ -268,7 +268,7 @@ def image_size(value: tuple[int, int], name: str = "size") -> tuple[int, int]:
 
 
 def pose(value: ArrayLike, name: str) -> NDArray:
-    """A pose, shape (4, 4) [1, m], or (..., 4, 4): a rotation, a translation, and 0, 0, 0, 1.
+    """A pose, shape (4, 4) or (..., 4, 4): a rotation [1], a translation [m], and 0, 0, 0, 1.
 
     Raises:
         ValueError: another shape, not finite, or no rigid motion.

@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.basics.inputs import numbers, short
+from backhoe.basics.inputs import numbers, short, truths
 from backhoe.mission.calls import call_part
 from backhoe.mission.parts import SURVEY_PARTS
 from backhoe.mission.truth import RANGE
@@ -179,12 +179,6 @@ def _matched(part: Callable, left: NDArray, right: NDArray) -> NDArray:
 
 def _kept(part: Callable, points: NDArray, origin: NDArray) -> NDArray:
     def asked(points: NDArray, origin: NDArray) -> NDArray:
-        keep = np.asarray(part(points, origin))
-        if keep.dtype != bool or keep.shape != points.shape[:2]:
-            raise ValueError(
-                f"its answer must be True or False for each point, shape {points.shape[:2]}, got "
-                f"{keep.dtype} of shape {keep.shape}"
-            )
-        return keep
+        return truths(part(points, origin), "its answer", points.shape[:2])
 
     return call_part("scan_filter", asked, points, origin)

@@ -20,9 +20,8 @@ from backhoe.mission.parts import WayPoint, hand_made_plan, smooth_trajectory
 from backhoe.mission.records import recorder_of
 from backhoe.perception.camera import Rectified
 from backhoe.perception.laser import Motion
-from backhoe.simulation import engine, forces
-from backhoe.simulation.clock import STEP
-from backhoe.simulation.loop import TICKS_PER_DIG
+from backhoe.simulation import forces
+from backhoe.simulation.clock import STEP, TICKS_PER_DIG
 from backhoe.simulation.scanning import Scan, Scanner, stereo_now
 from backhoe.simulation.scene import LOADING, untouched_ground
 from backhoe.simulation.soil import SANDY_LOAM
@@ -100,6 +99,8 @@ class Led:
 
     def dig(self, q: NDArray, dq: NDArray) -> None:
         """One tick of the soil; at its end the joints have angles and speeds, (4,) [rad, rad/s]."""
+        from backhoe.simulation import engine
+
         self.q, self.time = q, self.time + TICK
         still = np.zeros(3)
         T, velocity = engine.tip_motion(self._reach, np.r_[still, q], np.r_[still, dq])

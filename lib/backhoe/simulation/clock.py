@@ -1,4 +1,4 @@
-"""The step of all simulations, and sample times that are whole multiples of it."""
+"""The steps of all simulations, and sample times that are whole multiples of them."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from backhoe.basics.inputs import positive
 
 STEP = 0.001
 """Length of one step [s]."""
+
+TICKS_PER_DIG = 10
+"""Steps between two visits to the soil: 100 Hz."""
 
 
 def ticks(dt: float, step: float = STEP) -> int:

@@ -15,15 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import choice, instance, numbers, real_numbers, whole
 from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation import engine, forces, standing
-from backhoe.simulation.clock import STEP
+from backhoe.simulation.clock import STEP, TICKS_PER_DIG
 from backhoe.simulation.scene import LOADING, Scene, untouched_ground
 from backhoe.simulation.soil import SANDY_LOAM, SoilParameters, soil_of
 from backhoe.whole_body.stability import EDGES
 
 BASES = ("tracks", "fixed")
-
-TICKS_PER_DIG = 10
-"""Steps between two visits to the soil: 100 Hz."""
 
 STANDING = (0.0, 0.0)
 """Belt speeds of a machine that stands [m/s]."""

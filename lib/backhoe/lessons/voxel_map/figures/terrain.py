@@ -87,7 +87,7 @@ def coverage(runs: Mapping[str, tuple[ArrayLike, ArrayLike]], ylabel: str) -> Fi
     """Errors of repeated measurements and what 1.96 deviations claim, one panel a method.
 
     Args:
-        runs: title -> (errors, deviations), shapes (n,) each.
+        runs: title -> (errors, deviations), shapes (n,) each, in the unit of `ylabel`.
         ylabel: what the errors are, with their unit.
 
     Raises:

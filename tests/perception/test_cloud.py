@@ -70,6 +70,7 @@ def test_a_thinned_cloud_may_be_thinned_again():
         ([[0, 0, 0]], 0, "leaf"),
         ([[0, 0, 0]], -1, "leaf"),
         ([[0, 0, 0], [1, 0, 0]], 1e-9, "leaf must be above 4.77e-07 m"),
+        ([[0, 0, 0], [1, 0, 0]], 2.0**-21, "leaf must be above"),
         ([[0, 0, 0], [1, 0, 0]], 1e-320, "leaf must be above"),
         ([[1e300, 0, 0]], 1e-9, "leaf must be above"),
     ],

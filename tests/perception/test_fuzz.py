@@ -19,7 +19,19 @@ import numpy as np
 import pytest
 
 import backhoe.perception
-from backhoe.perception import camera, cloud, octree, picture, rays, stereo
+from backhoe.machine import BACKHOE
+from backhoe.machine.sensors import LASERS, STEREO
+from backhoe.perception import (
+    camera,
+    cloud,
+    distance_field,
+    laser,
+    octree,
+    picture,
+    rays,
+    stereo,
+    terrain_map,
+)
 from backhoe.view import shapes
 
 RNG = np.random.default_rng(0)
@@ -27,7 +39,8 @@ LENS = camera.Pinhole.of_view((40, 30), 1.0)
 BENT = camera.Pinhole(LENS.K, LENS.size, [-0.2, 0.05, 0.001, 0, 0])
 PAIR = camera.Pair(LENS, LENS, np.eye(3), [-0.4, 0.0, 0.0])
 FIELD = rays.HeightField(RNG.uniform(0, 1, (9, 11)), 0.5, (-2.0, -2.0))
-CRATE = rays.Body(*shapes.box((-1, -1, 0), (1, 1, 1)))
+CRATE_MESH = shapes.box((-1, -1, 0), (1, 1, 1))
+CRATE = rays.Body(*CRATE_MESH)
 PAINT = picture.Paint(0.5, 0.3)
 POINTS = RNG.normal(size=(40, 3))
 LEFT, RIGHT = RNG.integers(0, 256, (2, 24, 60)).astype(np.uint8)
@@ -38,10 +51,12 @@ SHEETS = np.stack(
         for turn in ([0.3, 0.1, 0], [-0.2, 0.3, 0.1], [0.1, -0.4, 0.2])
     ]
 )
+SHEET = np.eye(4)
+SHEET[2, 3] = 1.0
 PLANE = RNG.uniform(-0.4, 0.4, (12, 2))
 OTHER = PLANE + np.c_[RNG.uniform(-0.3, -0.1, 12), np.zeros(12)]
 POSE = picture.looking((4, 0, 3), (0, 0, 0))
-RESULTS = "Calibration Rectified Hits View Leaves Met Convex".split()
+RESULTS = "Calibration Rectified Hits View Leaves Met Convex Clearance Levels Volume".split()
 """Made by functions, not by hand."""
 
 
@@ -60,6 +75,23 @@ def tree() -> octree.OccupancyOctree:
     return made
 
 
+def ground() -> terrain_map.TerrainMap:
+    made = terrain_map.TerrainMap((-2.0, -2.0), 5, 6, 0.8)
+    y, x = np.mgrid[-2:1.3:0.2, -2:2.1:0.2].reshape(2, -1)
+    made.insert(np.c_[x, y, 0.1 * x], [0.0, 0.0, 3.0])
+    return made
+
+
+def field() -> distance_field.DistanceField:
+    occupied = np.zeros((5, 6, 7), bool)
+    occupied[2, 3, 1] = True
+    return distance_field.DistanceField(occupied, 0.5, (0.0, 0.0, 0.0))
+
+
+def motion() -> laser.Motion:
+    return laser.Motion(np.array([0.0, 1.0, 2.0]), np.eye(3, 4), np.eye(3))
+
+
 def calls(folder) -> dict[str, tuple]:
     """A function and its arguments under its name, every one of them."""
     tree().save(folder / "good.ot")
@@ -71,6 +103,7 @@ def calls(folder) -> dict[str, tuple]:
     board = {"object_points": BOARD, "size": (40, 30)}
     odds = {"hit": 1.39, "miss": -0.8, "l_min": -2.0, "l_max": 3.48}
     f = {"focal": 500.0, "baseline": 0.4}
+    lines = laser.beam_times(LASERS["left"], 2)
     table = {
         camera.Pinhole: {"K": LENS.K, "size": (40, 30), "distortion": np.zeros(5)},
         camera.Pinhole.of_view: {"size": (40, 30), "field_of_view": 1.0},
@@ -133,6 +166,66 @@ def calls(folder) -> dict[str, tuple]:
         },
         cloud.voxel_grid: {"points": POINTS, "leaf": 0.3},
         octree.OccupancyOctree: {"resolution": 0.1, **odds},
+        octree.updated: {"log_odds": np.array([0.3, np.nan]), "reflected": [True, False], **odds},
+        octree.looks_until: {
+            "log_odds": [0.3, np.nan], "occupied": True, "hit": 1.39, "miss": -0.8
+        },
+        camera.find_corners: {"image": LEFT, "columns": 4, "rows": 3},
+        camera.homography: {"plane": PLANE, "pixels": OTHER},
+        picture.chessboard_pictures: {
+            "camera": BENT, "poses": SHEET[None], "columns": 4, "rows": 3, "square": 0.1,
+            "behind": np.zeros((30, 40), np.uint8), "fine": 2,
+        },
+        stereo.semi_global_match: {
+            "left": LEFT, "right": RIGHT, "disparities": 16, "window": 5, "prefilter": "sobel",
+            "cap": 63, "small": 32, "large": 128, "uniqueness": 5, "left_right": 1.0,
+            "speckle": 20, "step": 1.0,
+        },
+        laser.Motion: {"time": motion().time, "q": motion().q, "pose": motion().pose},
+        laser.Motion.standing: {"q": np.zeros(4), "pose": np.zeros(3)},
+        laser.beam_angles: {"laser": LASERS["left"]},
+        laser.beam_times: {"laser": LASERS["left"], "lines": 3, "start": 0.5},
+        laser.directions: {"laser": LASERS["left"], "time": lines},
+        laser.nod_angles: {"laser": LASERS["left"], "time": lines},
+        laser.deskew: {
+            "laser": LASERS["left"], "time": lines, "ranges": 5 + lines, "motion": motion(),
+            "machine": BACKHOE,
+        },
+        laser.sensor_poses: {
+            "mount": STEREO.mount, "time": [0.1, 0.2], "motion": motion(), "machine": BACKHOE
+        },
+        distance_field.DistanceField: {
+            "occupied": np.zeros((2, 3, 4), bool), "cell": 0.5, "corner": np.zeros(3),
+            "signed": False,
+        },
+        distance_field.DistanceField.of_octree: {
+            "tree": tree(), "box": np.array([[-1.0] * 3, [1.0] * 3]), "unknown": "free",
+            "signed": False,
+        },
+        distance_field.distance_transform: {
+            "occupied": np.eye(4, dtype=bool)[None], "cell": 0.5, "signed": False
+        },
+        distance_field.covering_spheres: {
+            "vertices": CRATE_MESH[0], "faces": CRATE_MESH[1], "size": 0.5
+        },
+        distance_field.clearance: {
+            "field": field(), "spheres": {"boom": np.array([[1.0, 1, 1, 0.2]])},
+            "poses": {"boom": np.eye(4)}, "beyond": None,
+        },
+        terrain_map.TerrainMap: {
+            "corner": (0.0, 0.0), "rows": 4, "columns": 5, "cell": 0.1, "growth": 0.0,
+            "roughness": 0.01, "gate": 4.0,
+        },
+        terrain_map.is_soil: {"points": POINTS, "steepest": 0.6, "tolerance": 0.15, "cell": 0.3},
+        terrain_map.surface_levels: {"points": POINTS, "cell": 0.3, "gap": 0.3},
+        terrain_map.shared_errors: {
+            "heights": np.zeros((5, 6)), "ground": ground(), "origin": np.array([0.0, 0, 3])
+        },
+        terrain_map.dug_volume: {
+            "before": ground(), "after": ground(), "inside": np.eye(5, 6, dtype=bool),
+            "origins": np.array([[0.0, 0, 3]] * 2), "common": np.eye(7) * 1e-4,
+            "still": np.eye(5, 6, 2, dtype=bool),
+        },
         octree.OccupancyOctree.load: {"path": folder / "good.ot", **odds},
     }  # fmt: skip
     found = {function.__qualname__: (function, given) for function, given in table.items()}
@@ -155,6 +248,22 @@ def calls(folder) -> dict[str, tuple]:
         (tree, "bounds", {}),
         (tree, "prune", {}),
         (tree, "cast", cast),
+        (motion, "at", {"time": [0.3, 0.5]}),
+        (motion, "link_poses", {"time": [0.3, 0.5], "machine": BACKHOE}),
+        (field, "query", {"points": np.abs(PLANE[:, [0, 1, 0]]), "beyond": None}),
+        (ground, "age", {"now": 3.0}),
+        (ground, "grid", {}),
+        (
+            ground,
+            "insert",
+            {
+                "points": POINTS,
+                "origin": np.array([0.0, 0, 3]),
+                "time": 1.0,
+                "range_deviation": 0.02,
+                "common_deviation": 0.0,
+            },
+        ),
         (tree, "save", {"path": folder / "new.ot"}),
     ]
     for make, name, given in methods:

@@ -123,11 +123,13 @@ def truths(values: ArrayLike, name: str, shape: tuple) -> NDArray:
     Raises:
         ValueError: numbers, text or other objects, or another shape.
     """
-    array = np.asarray(values)
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        array = np.array(None)
     if array.dtype != bool or not _fits(array.shape, shape):
-        raise ValueError(
-            f"{name} must {_wanted(shape, 'truth values')}, got {array.dtype}, shape {array.shape}"
-        )
+        given = f"{array.dtype}, shape {array.shape}" if array.dtype != object else short(values)
+        raise ValueError(f"{name} must {_wanted(shape, 'truth values')}, got {given}")
     return array
 
 

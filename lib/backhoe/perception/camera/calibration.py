@@ -160,6 +160,11 @@ def _views(points: ArrayLike, name: str, board: NDArray, size: tuple[int, int]) 
         raise ValueError(f"{name}: no board in view {lost[0]}: leave out views without a whole one")
     meaning = f"pixels of {len(board)} corners in each view"
     seen = numbers(points, name, ("views", len(board), 2), meaning=meaning)
+    together = np.ptp(seen, axis=1).max(axis=1) < 1e-9
+    if together.any():
+        raise ValueError(
+            f"{name}: all corners of view {together.argmax()} fall together, got {seen}"
+        )
     if len(seen) < 3:
         raise ValueError(f"{name} must have 3 views or more, got {len(seen)}")
     outside = ((seen < -0.5) | (seen > [width - 0.5, height - 0.5])).any(axis=-1)

@@ -9,8 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import alike, numbers
+from backhoe.basics.inputs import alike, numbers, short
 from backhoe.perception.camera.rotations import nearest_rotation, rotation_vector
+
+FARTHEST = 1e6
+"""Of a corner on its board [m], or in its picture [pixels]."""
 
 _FLAT_VIEWS = 1e-7
 """The equations are singular when their two least singular values are so small together."""
@@ -34,6 +37,12 @@ def homography(plane: ArrayLike, pixels: ArrayLike) -> NDArray:
     alike(plane=plane, pixels=pixels)
     if len(plane) < 4:
         raise ValueError(f"plane and pixels must be at least 4 points, got {len(plane)}")
+    for name, points in (("plane", plane), ("pixels", pixels)):
+        if np.abs(points).max() > FARTHEST or np.ptp(points, axis=0).max() < 1e-9:
+            raise ValueError(
+                f"{name} must be points apart from each other, within {FARTHEST:g}, got "
+                f"{short(points)}"
+            )
     (x, T), (y, S) = (_normalised(points) for points in (plane, pixels))
     none = np.zeros_like(x)
     rows = np.vstack([np.c_[x, none, -y[:, :1] * x], np.c_[none, x, -y[:, 1:2] * x]])

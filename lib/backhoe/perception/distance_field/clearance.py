@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import instance, number, numbers, positive
+from backhoe.basics.inputs import instance, number, numbers, pose, positive, short
 from backhoe.perception.distance_field.field import DistanceField
 
 MOST = 1 << 20
@@ -100,16 +100,17 @@ def clearance(
 
     Raises:
         ValueError: shapes, a link without a pose, no spheres, a sphere outside and no `beyond`.
-        TypeError: field is none.
+        TypeError: field is none, or spheres or poses are no mapping.
     """
     field = instance(field, "field", DistanceField)
+    instance(spheres, "spheres", Mapping), instance(poses, "poses", Mapping)
     found = []
     for link, given in spheres.items():
         if link not in poses:
-            raise ValueError(f"poses must have the link {link!r}, got {', '.join(poses) or 'none'}")
+            raise ValueError(f"poses must have the link {link!r}, got {short(list(poses))}")
         balls = numbers(given, f"spheres of {link}", ("k", 4), meaning="middle and radius [m]")
         number(balls[:, 3].min(), f"least radius of {link}", "m", least=0.0)
-        T = numbers(poses[link], f"the pose of {link}", (4, 4))
+        T = pose(numbers(poses[link], f"the pose of {link}", (4, 4)), f"the pose of {link}")
         middles = balls[:, :3] @ T[:3, :3].T + T[:3, 3]
         distances, gradients = field.query(middles, beyond)
         k = int(np.argmin(distances - balls[:, 3]))

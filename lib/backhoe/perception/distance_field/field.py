@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import choice, instance, number, numbers, positive, truths, whole
+from backhoe.basics.inputs import choice, flag, instance, number, numbers, positive, truths, whole
 from backhoe.perception.octree import OccupancyOctree
 
 LARGEST = 1 << 27
 """Voxels that a field may have: 1 GiB."""
+
+REACH = 1 << 15
+"""Voxels of an octree on each side of its origin."""
 
 
 def distance_transform(occupied: ArrayLike, cell: float = 1.0, *, signed: bool = False) -> NDArray:
@@ -30,7 +33,7 @@ def distance_transform(occupied: ArrayLike, cell: float = 1.0, *, signed: bool =
     """
     occupied, cell = _grid(occupied), positive(cell, "cell", "m")
     distance = _distance(occupied)
-    if signed:
+    if flag(signed, "signed"):
         distance -= _distance(~occupied)
     return cell * distance
 
@@ -90,6 +93,10 @@ class DistanceField:
         if (counts < 2).any() or not counts.prod() <= LARGEST:
             raise ValueError(f"box must span 2 to {LARGEST} voxels of {size} m, got {box}")
         axes = [(f + np.arange(int(n)) + 0.5) * size for f, n in zip(first, counts, strict=True)]
+        if max(-first.min(), last.max()) >= REACH:
+            raise ValueError(
+                f"box must lie within {REACH * size:.0f} m of the map's origin, got {box}"
+            )
         odds = tree.log_odds(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1))
         occupied = (odds >= 0) | (np.isnan(odds) & as_occupied)
         return cls(occupied, size, (first + 0.5) * size, signed=signed)
@@ -142,8 +149,9 @@ class DistanceField:
 
 
 def _grid(occupied: ArrayLike) -> NDArray:
-    shape = ("a", "b") if np.ndim(occupied) == 2 else ("a", "b", "c")
-    grid = truths(occupied, "occupied", shape)
+    grid = truths(occupied, "occupied", (..., "a", "b"))
+    if grid.ndim > 3:
+        truths(grid, "occupied", ("a", "b", "c"))
     whole(grid.size, "voxels of occupied", most=LARGEST)
     return grid
 

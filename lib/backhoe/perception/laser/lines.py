@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import instance, number, numbers, whole
 from backhoe.machine.sensors import Laser
 
+MOST_LINES = 10**6
+"""In one call: hours of a scanner."""
+
 
 def beam_angles(laser: Laser) -> NDArray:
     """Angle of each beam to the middle one, from right to left, shape (beams,) [rad]."""
@@ -34,7 +37,7 @@ def beam_times(laser: Laser, lines: int, start: float = 0.0) -> NDArray:
         ValueError: fewer than one line, or a time that is not finite.
     """
     angles = beam_angles(laser)
-    lines, start = whole(lines, "lines", least=1), number(start, "start", "s")
+    lines, start = whole(lines, "lines", least=1, most=MOST_LINES), number(start, "start", "s")
     turns = np.arange(lines)[:, None] + (angles - angles[0]) / (2 * pi)
     return start + turns / laser.line_rate
 

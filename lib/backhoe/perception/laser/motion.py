@@ -60,6 +60,7 @@ class Motion:
     def link_poses(self, time: ArrayLike, machine: Machine = BACKHOE) -> dict[str, NDArray]:
         """Poses in the world of undercarriage, swing, boom, stick and bucket at times of any shape
         [s], each of shape (..., 4, 4) [1, m]."""
+        instance(machine, "machine", Machine)
         q, pose = self.at(time)
         x, y, yaw = np.moveaxis(pose, -1, 0)
         T = np.zeros((*x.shape, 4, 4))

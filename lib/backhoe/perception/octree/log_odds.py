@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import number, positive, real_numbers
+from backhoe.basics.inputs import flag, number, positive, real_numbers, truths
 
 __all__ = ["HIT", "L_MAX", "L_MIN", "MISS", "looks_until", "updated"]
 
@@ -35,17 +35,18 @@ def updated(
 
     Args:
         log_odds: before, NaN where unknown, any shape [1].
-        reflected: whether a ray was reflected in the voxel, not only passed it; a shape that fits.
+        reflected: whether a ray was reflected in the voxel, not only passed it; the same shape.
         hit, miss, l_min, l_max: as for `OccupancyOctree`.
 
     Returns:
-        Log-odds [1], in the shape of both arguments together.
+        Log-odds [1], of the same shape.
 
     Raises:
-        ValueError: log-odds that are no numbers, a hit or l_max that is not above 0, or a miss or
-            l_min that is not below 0.
+        ValueError: log-odds that are no numbers, reflected that are no truth values of their
+            shape, a hit or l_max that is not above 0, or a miss or l_min that is not below 0.
     """
     before = np.nan_to_num(real_numbers(log_odds, "log_odds"), nan=0.0)
+    reflected = truths(reflected, "reflected", before.shape)
     hit, miss = positive(hit, "hit"), number(miss, "miss", below=0.0)
     l_min, l_max = number(l_min, "l_min", below=0.0), positive(l_max, "l_max")
     return np.clip(before + np.where(reflected, hit, miss), l_min, l_max)
@@ -73,7 +74,7 @@ def looks_until(
     """
     now = real_numbers(log_odds, "log_odds")
     hit, miss = positive(hit, "hit"), number(miss, "miss", below=0.0)
-    if occupied:
+    if flag(occupied, "occupied"):
         looks = np.where(now < 0, np.ceil(-now / hit), 0)
     else:
         looks = np.where(now >= 0, np.floor(now / -miss) + 1, 0)

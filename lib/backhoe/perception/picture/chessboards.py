@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import instance, numbers, picture, positive, whole
+from backhoe.basics.inputs import instance, numbers, picture, pose, positive, whole
 from backhoe.perception.camera import Pinhole
 
 BLACK, WHITE, GREY = 30.0, 220.0, 110
@@ -48,9 +48,12 @@ def chessboard_pictures(
     from scipy.ndimage import maximum_filter, minimum_filter
 
     width, height = instance(camera, "camera", Pinhole).size
-    poses = numbers(poses, "poses", ("views", 4, 4), meaning="poses of the board [m]")
+    poses = pose(numbers(poses, "poses", ("views", 4, 4), meaning="poses of the board"), "poses")
+    edge_on = np.abs(np.einsum("vi,vi->v", poses[:, :3, 2], poses[:, :3, 3])) < 1e-9
+    if edge_on.any():
+        raise ValueError(f"poses must show the board's face, view {edge_on.argmax()} its edge")
     columns, rows = whole(columns, "columns", least=2), whole(rows, "rows", least=2)
-    square, fine = positive(square, "square", "m"), whole(fine, "fine", least=1)
+    square, fine = positive(square, "square", "m"), whole(fine, "fine", least=1, most=16)
     if behind is None:
         behind = np.full((height, width), GREY, dtype=np.uint8)
     if picture(behind, "behind").shape != (height, width):

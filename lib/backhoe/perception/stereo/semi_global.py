@@ -62,7 +62,10 @@ def semi_global_match(
     small = whole(small, "small", least=0)
     large = whole(large, "large", least=small, most=4000)
     uniqueness = whole(uniqueness, "uniqueness", least=0, most=99)
-    speckle, step = whole(speckle, "speckle", least=0), positive(step, "step", "pixels")
+    speckle, step = (
+        whole(speckle, "speckle", least=0, most=1 << 30),
+        positive(step, "step", "pixels"),
+    )
     if left_right is not None:
         left_right = not_negative(left_right, "left_right", "pixels")
     left, right = (prefiltered(image, prefilter, cap=cap) for image in (left, right))

@@ -5,13 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import not_negative, number, numbers, positive, whole
+from backhoe.basics.inputs import not_negative, number, numbers, positive, real_numbers, whole
 
 GATE = 4.0
 """Standard deviations beyond which a cell has been dug or filled [1]."""
 
 ROUGHNESS = 0.01
 """How far points of a cell lie off its plane, standard deviation [m]."""
+
+MOST = 1e3
+"""Largest standard deviation of a scan [m]."""
 
 LARGEST = 1 << 26
 """Cells that a map may have: 2 GiB."""
@@ -104,18 +107,17 @@ class TerrainMap:
             How many cells had been dug or filled.
 
         Raises:
-            ValueError: another shape, not finite, a negative deviation, a time before the last.
+            ValueError: another shape, not finite, a deviation below 0 or above 1 km, a time
+                before the last.
         """
-        points = np.asarray(points) if np.shape(points) == (0, 3) else points
-        if np.size(points):
-            points = numbers(points, "points", ("n", 3), meaning="coordinates [m]")
-        elif np.shape(points) != (0, 3):
+        points = real_numbers(points, "points")
+        if points.shape != (0, 3):
             numbers(points, "points", ("n", 3), meaning="coordinates [m]")
         origin = numbers(origin, "origin", (3,), meaning="a point [m]")
         last = np.nanmax(self.seen, initial=-np.inf)
         time = number(time, "time", "s", least=last)
-        ranging = not_negative(range_deviation, "range_deviation", "m") ** 2
-        common = not_negative(common_deviation, "common_deviation", "m") ** 2
+        ranging = number(range_deviation, "range_deviation", "m", least=0.0, most=MOST) ** 2
+        common = number(common_deviation, "common_deviation", "m", least=0.0, most=MOST) ** 2
         if not len(points):
             return 0
         from backhoe.perception.terrain_map import engine

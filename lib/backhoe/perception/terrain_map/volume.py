@@ -24,6 +24,9 @@ COMMON = 7
 HIDDEN = 0.1
 """Share of cells without a point above which no deviation would be honest [1]."""
 
+FARTHEST = 1e5
+"""Of a sensor from the map's origin [m]; no variance of a common error is larger."""
+
 AROUND = 3
 """Cells on each side to which a plane is fitted for a slope."""
 
@@ -81,8 +84,13 @@ def dug_volume(
     still = np.zeros_like(inside) if still is None else truths(still, "still", before.heights.shape)
     if not inside.any() or (inside & still).any():
         raise ValueError("inside must have cells, none of which are still")
-    origins = numbers(origins, "origins", (2, 3), meaning="where the sensor stood [m]")
-    C = np.kron(np.eye(2), covariance(common, "common", COMMON))
+    origins = numbers(
+        origins, "origins", (2, 3), meaning="where the sensor stood [m]", within=FARTHEST
+    )
+    C = np.kron(
+        np.eye(2),
+        covariance(numbers(common, "common", (COMMON, COMMON), within=FARTHEST), "common", COMMON),
+    )
 
     area, value, cells, gaps = before.cell**2, 0.0, 0.0, 0.0
     filled, shares = [], []
@@ -129,8 +137,9 @@ def shared_errors(heights: ArrayLike, ground: TerrainMap, origin: ArrayLike) -> 
     Raises:
         ValueError: shapes, an origin that is not finite.
     """
+    instance(ground, "ground", TerrainMap)
     heights = numbers(heights, "heights", ground.heights.shape, finite=False)
-    origin = numbers(origin, "origin", (3,), meaning="a point [m]")
+    origin = numbers(origin, "origin", (3,), meaning="a point [m]", within=FARTHEST)
     up = np.concatenate([-_slopes(heights, ground.cell), np.ones((*heights.shape, 1))], axis=-1)
     way = np.stack([*ground.grid(), heights], axis=-1) - origin
     ahead = np.sum(up * way, axis=-1) / np.linalg.norm(way, axis=-1)

@@ -87,10 +87,8 @@ def dug_volume(
     origins = numbers(
         origins, "origins", (2, 3), meaning="where the sensor stood [m]", within=FARTHEST
     )
-    C = np.kron(
-        np.eye(2),
-        covariance(numbers(common, "common", (COMMON, COMMON), within=FARTHEST), "common", COMMON),
-    )
+    common = numbers(common, "common", (COMMON, COMMON), within=FARTHEST)
+    C = np.kron(np.eye(2), covariance(common, "common", COMMON))
 
     area, value, cells, gaps = before.cell**2, 0.0, 0.0, 0.0
     filled, shares = [], []

@@ -49,7 +49,8 @@ _LONGEST = 300
 """Seconds for one test; the tests concerned take less than ten where nothing else runs."""
 _WARM = (
     *("pytest", "pytest_timeout", "numba", "control", "filterpy.kalman"),
-    *("scipy.integrate", "scipy.interpolate", "scipy.linalg", "scipy.optimize"),
+    *("scipy.integrate", "scipy.interpolate", "scipy.linalg", "scipy.ndimage", "scipy.optimize"),
+    "scipy.spatial",
 )
 """What is imported once, before the processes part."""
 

@@ -32,7 +32,7 @@ def look(tree: OccupancyOctree, reflected: bool) -> float:
 def test_a_look_adds_what_it_adds_in_the_map(clamps):
     tree, odds = OccupancyOctree(0.1, **clamps), np.nan
     for reflected in np.random.default_rng(0).integers(0, 2, 60):
-        odds = updated(odds, reflected, **clamps)
+        odds = updated(odds, bool(reflected), **clamps)
         assert look(tree, reflected) == pytest.approx(odds, abs=2e-5)
 
 

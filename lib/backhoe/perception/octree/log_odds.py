@@ -35,7 +35,8 @@ def updated(
 
     Args:
         log_odds: before, NaN where unknown, any shape [1].
-        reflected: whether a ray was reflected in the voxel, not only passed it; the same shape.
+        reflected: whether a ray was reflected in the voxel, not only passed it; the same shape, or
+            one for all.
         hit, miss, l_min, l_max: as for `OccupancyOctree`.
 
     Returns:
@@ -46,7 +47,8 @@ def updated(
             shape, a hit or l_max that is not above 0, or a miss or l_min that is not below 0.
     """
     before = np.nan_to_num(real_numbers(log_odds, "log_odds"), nan=0.0)
-    reflected = truths(reflected, "reflected", before.shape)
+    one = isinstance(reflected, bool | np.bool_)
+    reflected = truths(reflected, "reflected", () if one else before.shape)
     hit, miss = positive(hit, "hit"), number(miss, "miss", below=0.0)
     l_min, l_max = number(l_min, "l_min", below=0.0), positive(l_max, "l_max")
     return np.clip(before + np.where(reflected, hit, miss), l_min, l_max)

@@ -186,7 +186,7 @@ def measure_rendered_pair() -> list[bool]:
             ]
 
         (wall,) = best_times(pair, repeats=9)
-    return [report("a pair of 640x480, new terrain, by PyBullet [ms]", 1e3 * wall, 250)]
+    return [report("a pair of 640x480, new terrain, by PyBullet [ms]", 1e3 * wall, 100)]
 
 
 def measure_calibration() -> None:

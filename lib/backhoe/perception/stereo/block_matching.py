@@ -8,6 +8,8 @@ speckles' step) is StereoBM's default. A disparity is the left column less the r
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -73,12 +75,7 @@ def block_match(
         )
     texture = number(texture, "texture", least=0)
     uniqueness = whole(uniqueness, "uniqueness", least=0, most=100)
-    speckle, step = (
-        whole(speckle, "speckle", least=0, most=1 << 30),
-        positive(step, "step", "pixels"),
-    )
-    if left_right is not None:
-        left_right = not_negative(left_right, "left_right", "pixels")
+    sweep = sweeper(left_right, speckle, step)
     left, right = (
         prefiltered(image, prefilter, cap=cap, normalising=normalising) for image in (left, right)
     )
@@ -111,14 +108,40 @@ def block_match(
 
     count = rows - 2 * half
     for_each_tile(match, count, -(-count // STRIPES))
+    return sweep(disparity, cost)
+
+
+def sweeper(
+    left_right: float | None, speckle: int, step: float
+) -> Callable[[NDArray, NDArray], NDArray]:
+    """What a matcher does last, its numbers checked first; as for `block_match`.
+
+    Returns:
+        A function of disparities and their costs, shape (rows, columns) [pixels, grey levels],
+        which drops those that the right picture denies, then the speckles.
+
+    Raises:
+        ValueError: a number out of range.
+    """
     if left_right is not None:
-        best, claim = np.empty(columns, dtype=np.int64), np.empty(columns, dtype=np.float32)
-        engine.keep_consistent(disparity, cost, left_right, best, claim)
-    if speckle:
-        parent, size = np.empty((2, rows * columns), dtype=np.int32)
-        label = np.empty((rows, columns), dtype=np.int32)
-        engine.drop_speckles(disparity, speckle, step, parent, size, label)
-    return disparity.astype(float)
+        left_right = not_negative(left_right, "left_right", "pixels")
+    speckle = whole(speckle, "speckle", least=0, most=1 << 30)
+    step = positive(step, "step", "pixels")
+
+    def sweep(disparity: NDArray, cost: NDArray) -> NDArray:
+        from backhoe.perception.stereo import engine
+
+        rows, columns = disparity.shape
+        if left_right is not None:
+            best, claim = np.empty(columns, dtype=np.int64), np.empty(columns, dtype=np.float32)
+            engine.keep_consistent(disparity, cost, left_right, best, claim)
+        if speckle:
+            parent, size = np.empty((2, rows * columns), dtype=np.int32)
+            label = np.empty((rows, columns), dtype=np.int32)
+            engine.drop_speckles(disparity, speckle, step, parent, size, label)
+        return disparity.astype(float)
+
+    return sweep
 
 
 def prefiltered(

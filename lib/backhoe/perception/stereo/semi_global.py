@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.basics.inputs import alike, not_negative, picture, positive, whole
-from backhoe.perception.stereo.block_matching import prefiltered
+from backhoe.basics.inputs import alike, picture, whole
+from backhoe.perception.stereo.block_matching import prefiltered, sweeper
 
 WAYS = ((0, 1), (1, -1), (1, 0), (1, 1))
 """Steps (rows, columns) of half of the ways; the others are their opposites."""
@@ -62,12 +62,7 @@ def semi_global_match(
     small = whole(small, "small", least=0)
     large = whole(large, "large", least=small, most=4000)
     uniqueness = whole(uniqueness, "uniqueness", least=0, most=99)
-    speckle, step = (
-        whole(speckle, "speckle", least=0, most=1 << 30),
-        positive(step, "step", "pixels"),
-    )
-    if left_right is not None:
-        left_right = not_negative(left_right, "left_right", "pixels")
+    sweep = sweeper(left_right, speckle, step)
     left, right = (prefiltered(image, prefilter, cap=cap) for image in (left, right))
 
     from backhoe.perception.stereo import engine
@@ -84,11 +79,4 @@ def semi_global_match(
     disparity = np.empty((rows, columns), dtype=np.float32)
     cost = np.zeros((rows, columns), dtype=np.uint16)
     engine.cheapest(total, uniqueness, disparity, cost)
-    if left_right is not None:
-        best, claim = np.empty(columns, dtype=np.int64), np.empty(columns, dtype=np.float32)
-        engine.keep_consistent(disparity, cost, left_right, best, claim)
-    if speckle:
-        parent, size = np.empty((2, rows * columns), dtype=np.int32)
-        label = np.empty((rows, columns), dtype=np.int32)
-        engine.drop_speckles(disparity, speckle, step, parent, size, label)
-    return disparity.astype(float)
+    return sweep(disparity, cost)

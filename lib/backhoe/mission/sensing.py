@@ -16,15 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import numbers, short, truths
+from backhoe.machine import JOINTS
 from backhoe.mission.calls import call_part
 from backhoe.mission.parts import SURVEY_PARTS
 from backhoe.mission.truth import RANGE
 from backhoe.mission.worksite import Look
-from backhoe.perception.cloud import Convex, hull, self_filter, voxel_grid
+from backhoe.perception.cloud import Convex, self_filter, voxel_grid
 from backhoe.perception.cloud.body import PADDING
 from backhoe.perception.laser import deskew, directions, sensor_poses
 from backhoe.perception.stereo import reproject
-from backhoe.view.appearance import visuals
+from backhoe.simulation.volumes import link_volumes
 
 FATTENED = 0.15
 """Padding of the self filter for stereo [m]: half a window of 15 pixels looks 9 cm past an edge
@@ -162,9 +163,8 @@ def _off_the_machine(
 
 
 @lru_cache(maxsize=1)
-def _volumes() -> dict[str, list[Convex]]:
-    """Convex hulls of what each link is drawn with."""
-    return {link: [hull(part.vertices) for part in parts] for link, parts in visuals().items()}
+def _volumes() -> dict[str, tuple[Convex, ...]]:
+    return link_volumes(links=("undercarriage", *JOINTS))
 
 
 def _matched(part: Callable, left: NDArray, right: NDArray) -> NDArray:

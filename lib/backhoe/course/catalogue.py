@@ -23,6 +23,7 @@ LESSONS = {
     "7": "ekf",
     "8": "stereo",
     "9": "voxel_map",
+    "12": "mobile_manipulation",
 }
 
 

@@ -1,4 +1,46 @@
-"""Tracks and arm together: what holds for the whole machine.
+"""Tracks and arm together: how the hand moves, and velocities that move it as wanted.
 
-- `stability`: what keeps it on its tracks, and how much of a load tips it over
+- `robots`: the robot of the slides and the backhoe, their hands and Jacobians
+- `linear`: minimum norm, null space, manipulability
+- `tracking`: the wanted velocity of the hand; `limits`: velocities within limits
+- `loops`: the solution of J v = b, written once; `engine`: the same, compiled
+- `stability`: what keeps the machine on its tracks, and how much of a load tips it over
+
+Source: Sasig and Chicaiza 2017; Mastalli 2013 for the balance.
 """
+
+from backhoe.whole_body.limits import Limited, joint_bounds, limited_velocity
+from backhoe.whole_body.linear import (
+    manipulability,
+    manipulability_gradient,
+    minimum_norm,
+    null_projector,
+)
+from backhoe.whole_body.robots import (
+    BACKHOE,
+    SLIDES,
+    Excavator,
+    Robot,
+    SlidesRobot,
+    hand,
+    jacobian,
+)
+from backhoe.whole_body.tracking import wanted_velocity
+
+__all__ = [
+    "BACKHOE",
+    "SLIDES",
+    "Excavator",
+    "Limited",
+    "Robot",
+    "SlidesRobot",
+    "hand",
+    "jacobian",
+    "joint_bounds",
+    "limited_velocity",
+    "manipulability",
+    "manipulability_gradient",
+    "minimum_norm",
+    "null_projector",
+    "wanted_velocity",
+]

@@ -1,0 +1,1 @@
+"""What serves lessons 12a and 12b, mobile manipulation."""

@@ -1,0 +1,3 @@
+"""Exercises of lesson 12a: the Jacobian, least velocities, the null space, W."""
+
+EXERCISES = ()

@@ -1,0 +1,3 @@
+"""Exercises of lesson 12b: manipulability, priorities, limits, the slope."""
+
+EXERCISES = ()

@@ -1,0 +1,179 @@
+"""Robots of a platform and an arm: where the hand is, and how it moves.
+
+A robot's posture q is x, y, theta of the platform and then its joints; its velocities v are u along
+the heading, omega, and then the joints' speeds. The platform cannot move sideways, so there is one
+velocity less than there are coordinates.
+
+Source: Sasig and Chicaiza 2017, geometric and kinematic model of the mobile manipulator.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.arm import kinematics
+from backhoe.basics.inputs import instance, not_negative, numbers, positive
+from backhoe.machine import BACKHOE as MACHINE
+from backhoe.machine import Machine
+
+
+class Robot(Protocol):
+    """What `hand` and `jacobian` ask of a robot: the hand as its platform sees it."""
+
+    joints: int
+
+    def reach(self, q_arm: NDArray) -> NDArray:
+        """Hand in the platform's frame for joint angles (..., joints) [rad], (..., 3) [m]."""
+
+    def reach_jacobian(self, q_arm: NDArray) -> NDArray:
+        """Its derivative by the angles, shape (..., 3, joints) [m/rad]."""
+
+    def axes(self, q_arm: NDArray) -> NDArray:
+        """Axes of the joints in the platform's frame, unit vectors, shape (..., 3, joints) [1]."""
+
+
+@dataclass(frozen=True)
+class SlidesRobot:
+    """The slides' robot: an arm of three joints, `a` ahead of the axle's middle.
+
+    `h` is the height of the shoulder, `l2` and `l3` the links [m]. The slides print no numbers;
+    these are our choice, of the size of the robot in their pictures.
+    """
+
+    a: float = 0.2
+    h: float = 0.4
+    l2: float = 0.275
+    l3: float = 0.275
+    joints = 3
+
+    def __post_init__(self) -> None:
+        not_negative(self.a, "SlidesRobot.a", "m")
+        for name in ("h", "l2", "l3"):
+            positive(getattr(self, name), f"SlidesRobot.{name}", "m")
+
+    def reach(self, q_arm: NDArray) -> NDArray:
+        """Hand in the platform's frame, (..., 3) [m]; q1 turns, q2 and q3 lift, (..., 3) [rad]."""
+        q1, q2, q3 = np.moveaxis(q_arm, -1, 0)
+        r, z = self._side_view(q2, q2 + q3)
+        return np.stack([self.a + r * np.cos(q1), r * np.sin(q1), z], axis=-1)
+
+    def reach_jacobian(self, q_arm: NDArray) -> NDArray:
+        """Its derivative by q1, q2, q3, shape (..., 3, 3) [m/rad]."""
+        q1, q2, q3 = np.moveaxis(q_arm, -1, 0)
+        cosine, sine, q23 = np.cos(q1), np.sin(q1), q2 + q3
+        r, z = self._side_view(q2, q23)
+        J = np.empty((*q_arm.shape[:-1], 3, 3))
+        J[..., :, 0] = np.stack([-r * sine, r * cosine, np.zeros_like(r)], axis=-1)
+        hinges = ((0.0, self.h), (self.l2 * np.cos(q2), self.h + self.l2 * np.sin(q2)))
+        for column, (x, height) in enumerate(hinges, start=1):
+            ahead, above = r - x, z - height
+            J[..., :, column] = np.stack([-above * cosine, -above * sine, ahead], axis=-1)
+        return J
+
+    def axes(self, q_arm: NDArray) -> NDArray:
+        """Axes of the joints, shape (..., 3, 3) [1]: up, then twice to the right of the arm."""
+        axes = np.zeros((*q_arm.shape[:-1], 3, 3))
+        axes[..., 2, 0] = 1.0
+        axes[..., 0, 1:] = np.sin(q_arm[..., :1])
+        axes[..., 1, 1:] = -np.cos(q_arm[..., :1])
+        return axes
+
+    def _side_view(self, q2: NDArray, q23: NDArray) -> tuple[NDArray, NDArray]:
+        """Distance of the hand from the shoulder's axis, and its height [m]."""
+        r = self.l2 * np.cos(q2) + self.l3 * np.cos(q23)
+        return r, self.h + self.l2 * np.sin(q2) + self.l3 * np.sin(q23)
+
+
+@dataclass(frozen=True)
+class Excavator:
+    """The backhoe as such a robot: tracks, four joints, and the tip of the bucket as its hand."""
+
+    machine: Machine = MACHINE
+    joints = 4
+
+    def __post_init__(self) -> None:
+        instance(self.machine, "Excavator.machine", Machine)
+
+    def reach(self, q_arm: NDArray) -> NDArray:
+        """Bucket's tip in the vehicle's frame, (..., 3) [m]; swing to bucket, (..., 4) [rad]."""
+        return kinematics.forward_kinematics(q_arm, machine=self.machine)[..., :3, 3]
+
+    def reach_jacobian(self, q_arm: NDArray) -> NDArray:
+        """Its derivative by the four angles, shape (..., 3, 4) [m/rad]."""
+        return kinematics.jacobian(q_arm, machine=self.machine)[..., :3, :]
+
+    def axes(self, q_arm: NDArray) -> NDArray:
+        """Axes of the joints, shape (..., 3, 4) [1]."""
+        return kinematics.jacobian(q_arm, machine=self.machine)[..., 3:, :]
+
+
+SLIDES = SlidesRobot()
+BACKHOE = Excavator()
+
+
+def hand(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:
+    """Where the hand is in the world.
+
+    Args:
+        q: x, y [m], theta and the joints [rad], shape (..., 3 + joints).
+        robot: `BACKHOE`, `SLIDES` or one of your own.
+
+    Returns:
+        Shape (..., 3) [m].
+
+    Raises:
+        ValueError: q has another length, or a value is not finite.
+    """
+    q = posture(q, robot)
+    x, y, z = np.moveaxis(robot.reach(q[..., 3:]), -1, 0)
+    cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
+    across = q[..., 0] + x * cosine - y * sine
+    return np.stack([across, q[..., 1] + x * sine + y * cosine, z], axis=-1)
+
+
+def jacobian(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:
+    """Velocity of the hand in the world by the velocities of the robot: `hand` moves at J @ v.
+
+    Source: Sasig and Chicaiza 2017, kinematic model of the mobile manipulator; of its second row,
+    which the slide hides in part, the term of q2 needs a minus.
+
+    Args:
+        q: as for `hand`, shape (..., 3 + joints) [m, m, rad, ...].
+        robot: as for `hand`.
+
+    Returns:
+        J for v = u [m/s], omega and the joints' speeds [rad/s], shape (..., 3, 2 + joints) [1 in
+        the first column, m/rad in the others].
+
+    Raises:
+        ValueError: as for `hand`.
+    """
+    q = posture(q, robot)
+    cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
+    x, y, _ = np.moveaxis(robot.reach(q[..., 3:]), -1, 0)
+    arm = robot.reach_jacobian(q[..., 3:])
+    J = np.zeros((*q.shape[:-1], 3, 2 + robot.joints))
+    J[..., 0, 0], J[..., 1, 0] = cosine, sine
+    J[..., 0, 1], J[..., 1, 1] = -x * sine - y * cosine, x * cosine - y * sine
+    cosine, sine = cosine[..., None], sine[..., None]
+    J[..., 0, 2:] = arm[..., 0, :] * cosine - arm[..., 1, :] * sine
+    J[..., 1, 2:] = arm[..., 0, :] * sine + arm[..., 1, :] * cosine
+    J[..., 2, 2:] = arm[..., 2, :]
+    return J
+
+
+def posture(q: ArrayLike, robot: Robot) -> NDArray:
+    """q checked: x, y [m], theta and the joints [rad], shape (..., 3 + joints).
+
+    Raises:
+        TypeError: robot is none.
+        ValueError: another length, or a value is not finite.
+    """
+    if not hasattr(robot, "reach_jacobian"):
+        raise TypeError(f"robot must be SLIDES, BACKHOE or like them, got {robot!r}")
+    meaning = f"values: x, y, theta and {robot.joints} joints"
+    return numbers(q, "q", (..., 3 + robot.joints), meaning=meaning)

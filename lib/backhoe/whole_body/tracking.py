@@ -1,0 +1,49 @@
+"""Control by linear equations: the velocities that bring the hand where it should be next.
+
+Source: Sasig and Chicaiza 2017, eqs. (1) to (5).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe.basics.inputs import numbers, positive
+
+
+def wanted_velocity(
+    h: ArrayLike, goal: ArrayLike, next_goal: ArrayLike, W: ArrayLike, T: float
+) -> NDArray:
+    """b of J v = b: (h_d(k+1) - W (h_d(k) - h(k)) - h(k)) / T.
+
+    With it e(k+1) = W e(k) for a hand that moves by T J v in a step: Euler's, of a robot that has
+    the velocities it was told. A real hand follows a curve in a step, and an error of the order of
+    T^2 is left. Source: Sasig and Chicaiza 2017, (4) and (5).
+
+    Args:
+        h: the hand, shape (..., 3) [m].
+        goal, next_goal: where it should be now and after the step, shapes (..., 3) [m].
+        W: share of the error that a step leaves, of each direction or of all, shape (3,) or (), at
+            least 0 and below 1; near 0 is quick, near 1 slow.
+        T: the step [s].
+
+    Returns:
+        Wanted velocity of the hand, shape (..., 3) [m/s].
+
+    Raises:
+        ValueError: shapes that do not fit, values that are not finite, W outside [0, 1), or T not
+            positive.
+    """
+    h = numbers(h, "h", (..., 3), meaning="a point [m]")
+    goal = numbers(goal, "goal", h.shape, meaning="like h")
+    next_goal = numbers(next_goal, "next_goal", h.shape, meaning="like h")
+    W, T = numbers(W, "W"), positive(T, "T", "s")
+    if W.shape not in ((), (3,)):
+        raise ValueError(f"W must be one number or three, one a direction, got shape {W.shape}")
+    if (W < 0).any() or (W >= 1).any():
+        worst = W.flat[int(np.argmax(np.abs(W - 0.5)))]
+        raise ValueError(
+            f"W must be at least 0 and below 1, got {worst}: the error after a step is W times "
+            "that before, so it would not shrink, or change its sign each time"
+        )
+    return (next_goal - W * (goal - h) - h) / T

@@ -9,6 +9,7 @@ from backhoe.whole_body import (
     BACKHOE,
     SLIDES,
     SlidesRobot,
+    damping_near_singularity,
     hand,
     jacobian,
     joint_bounds,
@@ -120,6 +121,84 @@ def test_dependent_rows_are_refused_and_named_and_damping_helps():
     with pytest.raises(ValueError, match=r"rows of J must not depend .* at \(1,\).*damping"):
         minimum_norm(J, b)
     assert np.isfinite(minimum_norm(J, b, damping=0.01)).all()
+
+
+def nearly_singular(rng, size, *leading):
+    """J (..., 3, 6) whose singular values are 2, 1 and `size`, and its left singular vectors."""
+    left = np.linalg.qr(rng.normal(size=(*leading, 3, 3)))[0]
+    right = np.linalg.qr(rng.normal(size=(*leading, 6, 3)))[0]
+    return left * [2.0, 1.0, size] @ np.swapaxes(right, -1, -2), left
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-2, 1e-4, 1e-6, 4e-7])
+def test_near_a_singularity_the_task_is_done_exactly_still(size, rng):
+    for _ in range(30):
+        J, b, v0 = nearly_singular(rng, size)[0], rng.normal(size=3), rng.normal(size=6)
+        v = minimum_norm(J, b, v0)
+        assert_allclose(J @ v, b, atol=3e-15 * np.linalg.norm(v) + 1e-14)
+        wanted = v0 + np.linalg.pinv(J, rcond=1e-13) @ (b - J @ v0)
+        assert_allclose(v, wanted, atol=1e-13 / size**2)
+
+
+@pytest.mark.parametrize(("threshold", "largest"), [(0.1, 0.1), (0.2, 0.03), (0.05, 0.4)])
+def test_damping_only_near_a_singularity(threshold, largest, rng):
+    size = np.geomspace(1e-9, 1, 400)
+    J = np.stack([nearly_singular(rng, s)[0] for s in size])
+    damping = damping_near_singularity(J, threshold, largest)
+    assert (damping[size >= threshold * 1.0001] == 0).all()
+    near = size < threshold
+    assert_allclose(damping[near] ** 2 / largest**2, 1 - (size[near] / threshold) ** 2, atol=1e-7)
+    b = rng.normal(size=(400, 3))
+    v = minimum_norm(J, b, damping=damping)
+    bound = max(1 / threshold, 1 / largest)
+    assert (np.linalg.norm(v, axis=-1) <= bound * np.linalg.norm(b, axis=-1)).all()
+    missing = np.linalg.norm(np.einsum("kij,kj->ki", J, v) - b, axis=-1)
+    assert missing[~near].max() < 1e-12 < 1e-3 < missing[0]
+    one = minimum_norm(J[3], b[3], damping=float(damping[3]))
+    assert_allclose(v[3], one, rtol=1e-12)
+
+
+def test_a_damping_for_each_state_needs_their_shape():
+    with pytest.raises(ValueError, match=r"damping must be one number or one a matrix, .*\(3,\)"):
+        minimum_norm(np.ones((2, 3, 6)), np.ones((2, 3)), damping=np.ones(3))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda J, b, v0: minimum_norm(J * np.nan, b), "J must be finite"),
+        (lambda J, b, v0: minimum_norm(J, b * [1, np.inf, 1]), r"b must be finite.*index 1"),
+        (lambda J, b, v0: minimum_norm(J, b, v0 * np.nan), "preferred must be finite"),
+        (lambda J, b, v0: minimum_norm(J, b, damping=np.nan), "damping must be finite"),
+        (lambda J, b, v0: minimum_norm(J, b, damping=-0.1), "damping must be 0 or more, got -0.1"),
+        (lambda J, b, v0: minimum_norm(J, b, damping=True), "damping must be"),
+        (lambda J, b, v0: minimum_norm(J * 1e200, b), "of a size that can be squared"),
+        (lambda J, b, v0: minimum_norm(J + 1j, b), "J must be numbers"),
+        (lambda J, b, v0: minimum_norm(J[0], b), "J must be a matrix"),
+        (lambda J, b, v0: minimum_norm(J[:0], b[:0]), "J must be a matrix"),
+        (lambda J, b, v0: minimum_norm(J, b[None]), r"b must .*3 rows of J.*\(1, 3\)"),
+        (lambda J, b, v0: minimum_norm(J, b, np.ones(5)), "preferred must"),
+        (lambda J, b, v0: damping_near_singularity(J, 0, 1), "threshold must"),
+        (lambda J, b, v0: damping_near_singularity(J, 1, -1), "largest must"),
+    ],
+)
+def test_bad_numbers_are_told_whichever_way_they_come(call, message, rng):
+    J, b, v0 = rng.normal(size=(3, 6)), np.ones(3), np.ones(6)
+    with pytest.raises(ValueError, match=message):
+        call(J, b, v0)
+
+
+def test_any_array_of_numbers_will_do(rng):
+    J, b = rng.normal(size=(4, 3, 6)), rng.normal(size=(4, 3))
+    v = minimum_norm(J, b)
+    turned = np.asfortranarray(J), J.astype(">f8"), J.tolist(), np.concatenate([J, J], -1)[..., :6]
+    for other in turned:
+        assert_allclose(minimum_norm(other, b), v, rtol=1e-12)
+    still = J.copy()
+    still.flags.writeable = False
+    assert_allclose(minimum_norm(still, b), v, rtol=1e-12)
+    assert minimum_norm(J[:0], b[:0]).shape == (0, 6)
+    assert null_projector(J[:0]).shape == (0, 6, 6)
 
 
 @ROBOTS

@@ -6,15 +6,29 @@ Source: Sasig and Chicaiza 2017, design of the controller and secondary task.
 
 from __future__ import annotations
 
-from math import prod
+from functools import cache
+from math import inf
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import choice, not_negative, numbers
+from backhoe.basics.inputs import choice, numbers, positive
 from backhoe.whole_body.robots import BACKHOE, Robot, posture
 
 PARTS = ("arm", "whole")
+DEPENDENT = 1e-10
+"""A singular value below this share of the largest counts as 0 [1]."""
+
+_FLOAT = np.dtype(float)
+
+
+@cache
+def engine() -> ModuleType:
+    """The compiled loops; Numba takes half a second to load, so at the first use."""
+    from backhoe.whole_body import engine
+
+    return engine
 
 
 def minimum_norm(
@@ -23,7 +37,7 @@ def minimum_norm(
     preferred: ArrayLike | None = None,
     *,
     weights: ArrayLike | None = None,
-    damping: float = 0.0,
+    damping: ArrayLike = 0.0,
 ) -> NDArray:
     """Of all v with J v = b the least, or the one nearest to a preferred one.
 
@@ -36,8 +50,9 @@ def minimum_norm(
         preferred: v0, shape (..., n); zero if None.
         weights: what each velocity costs, shape (n,), positive: the sum of w (v - v0)^2 is least;
             all alike if None. They also make metres and radians comparable.
-        damping: lambda of J J^T + lambda^2 I; above 0, J v misses b near a singularity, and the
-            velocities stay bounded.
+        damping: lambda of J J^T + lambda^2 I, one for all or shape (...), in the units of J; above
+            0, J v misses b near a singularity, and the velocities stay bounded. See
+            `damping_near_singularity`.
 
     Returns:
         v, shape (..., n), in the units of b over those of J.
@@ -46,28 +61,24 @@ def minimum_norm(
         ValueError: shapes that do not fit, values that are not finite, weights that are not
             positive, or rows of J that depend on each other while damping is 0.
     """
-    J = _matrices(J)
-    *leading, m, n = J.shape
-    b = numbers(b, "b", (*leading, m), meaning=f"one value for each of the {m} rows of J")
-    wanted = np.zeros((*leading, n)) if preferred is None else preferred
-    v0 = numbers(wanted, "preferred", (*leading, n), meaning=f"one value a column of J, {n}")
-    damping = not_negative(damping, "damping")
-    scale = None if weights is None else _scale(weights, n)
-    if scale is not None:
+    ready = weights is None and _ready(J, b, preferred, damping)
+    given = (J, b, preferred, damping) if ready else _checked(J, b, preferred, damping)
+    J, b, v0, damping = given
+    m, n = J.shape[-2:]
+    leading = J.shape[:-2]
+    v, count = np.empty((*leading, n)), J.size // (m * n)
+    v0 = np.zeros(v.shape) if v0 is None else v0
+    if weights is not None:
+        scale = _scale(weights, n)
         J, v0 = J / scale, v0 * scale
-    v, count = np.empty((*leading, n)), prod(leading)
-    from backhoe.whole_body import engine
-
-    flat = J.reshape(count, m, n), b.reshape(count, m), v0.reshape(count, n)
-    scratch = np.empty((m, m)), np.empty(m)
-    singular = engine.solve(*flat, damping, v.reshape(count, n), *scratch)
-    if singular >= 0:
-        at = f" at {tuple(map(int, np.unravel_index(singular, leading)))}" if leading else ""
-        raise ValueError(
-            f"the {m} rows of J must not depend on each other, but they do{at}: the hand cannot "
-            "move in every direction there; leave the singularity, or give damping above 0"
-        )
-    return v if scale is None else v / scale
+    damp = np.zeros(count)
+    damp += np.reshape(damping, -1) if np.ndim(damping) else damping
+    flat = J.reshape(count, m, n), b.reshape(count, m), v0.reshape(count, n), damp
+    wrong = engine().solve(*flat, v.reshape(count, n), np.empty((m, m)), np.empty(m))
+    if wrong >= 0:
+        _checked(*given)
+        raise ValueError(_why(flat[0][wrong], np.unravel_index(wrong, leading)))
+    return v if weights is None else v / scale
 
 
 def null_projector(J: ArrayLike) -> NDArray:
@@ -83,7 +94,34 @@ def null_projector(J: ArrayLike) -> NDArray:
         ValueError: J is not a matrix, or a value is not finite.
     """
     J = _matrices(J)
-    return np.eye(J.shape[-1]) - np.linalg.pinv(J) @ J
+    *_, sizes, along = np.linalg.svd(J, full_matrices=False)
+    along = along * (sizes > DEPENDENT * sizes[..., :1])[..., None]
+    return np.eye(J.shape[-1]) - np.swapaxes(along, -1, -2) @ along
+
+
+def damping_near_singularity(J: ArrayLike, threshold: float, largest: float) -> NDArray:
+    """Damping that is 0 where all singular values of J are above a threshold, and grows below it.
+
+    lambda^2 = (1 - (s / threshold)^2) largest^2 for the smallest singular value s. With it no
+    velocity of `minimum_norm` is above |b| max(1 / threshold, 1 / largest).
+    Source: Chiaverini, Siciliano and Egeland 1994.
+
+    Args:
+        J: shape (..., m, n), in its own units.
+        threshold: of the smallest singular value, in the units of J.
+        largest: damping where a direction is lost, in the units of J.
+
+    Returns:
+        lambda, shape (...), in the units of J.
+
+    Raises:
+        ValueError: J is not a matrix, has more rows than columns, or a value is not finite;
+            threshold or largest is not positive.
+    """
+    J = _matrices(J)
+    threshold, largest = positive(threshold, "threshold"), positive(largest, "largest")
+    least = np.linalg.svd(J, compute_uv=False)[..., -1]
+    return largest * np.sqrt(np.maximum(1 - (least / threshold) ** 2, 0.0))
 
 
 def manipulability(J: ArrayLike, weights: ArrayLike | None = None) -> NDArray:
@@ -143,6 +181,46 @@ def manipulability_gradient(q: ArrayLike, robot: Robot = BACKHOE, part: str = "a
     inverse = np.linalg.pinv(J)
     w = manipulability(J)
     return w[..., None] * np.einsum("...ki,...ikj->...j", inverse, change)
+
+
+def _ready(J: object, b: object, v0: object, damping: object) -> bool:
+    """Whether the arrays can go into the compiled loop as they are, which tells NaN by itself."""
+    for array in (J, b) if v0 is None else (J, b, v0):
+        if type(array) is not np.ndarray or array.dtype is not _FLOAT or not array.flags.carray:
+            return False
+    if J.ndim < 2 or b.shape != J.shape[:-1] or not 1 <= J.shape[-2] <= J.shape[-1]:
+        return False
+    fits = v0 is None or (v0.shape[:-1] == b.shape[:-1] and v0.shape[-1:] == J.shape[-1:])
+    return fits and type(damping) is float and 0.0 <= damping < inf
+
+
+def _checked(
+    J: ArrayLike, b: ArrayLike, v0: ArrayLike | None, damping: ArrayLike
+) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    J = _matrices(J)
+    *leading, m, n = J.shape
+    b = numbers(b, "b", (*leading, m), meaning=f"one value for each of the {m} rows of J")
+    v0 = np.zeros((*leading, n)) if v0 is None else v0
+    v0 = numbers(v0, "preferred", (*leading, n), meaning=f"one value a column of J, {n}")
+    damping = numbers(damping, "damping")
+    if damping.shape not in ((), tuple(leading)):
+        raise ValueError(f"damping must be one number or one a matrix, got shape {damping.shape}")
+    if (damping < 0).any():
+        raise ValueError(f"damping must be 0 or more, got {damping.min():g}")
+    return *(np.require(one, requirements="CAW") for one in (J, b, v0)), damping
+
+
+def _why(J: NDArray, at: tuple) -> str:
+    """Why there is no v for this J, for the error."""
+    where = f" at {tuple(map(int, at))}" if at else ""
+    largest = np.abs(J).max()
+    sizes = np.linalg.svd(J / max(largest, 1e-300), compute_uv=False)
+    if 1e-100 < largest < 1e100 and sizes[-1] < 1e-6 * sizes[0]:
+        return (
+            f"the {len(J)} rows of J must not depend on each other, but they do{where}: the hand "
+            "cannot move in every direction there; leave the singularity, or give (more) damping"
+        )
+    return f"J, b and preferred must be of a size that can be squared, they are not{where}"
 
 
 def _matrices(J: ArrayLike) -> NDArray:

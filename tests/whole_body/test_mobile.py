@@ -14,8 +14,6 @@ from backhoe.whole_body import (
     jacobian,
     joint_bounds,
     limited_velocity,
-    manipulability,
-    manipulability_gradient,
     minimum_norm,
     null_projector,
     wanted_velocity,
@@ -211,31 +209,6 @@ def test_the_projector_moves_everything_but_the_hand(robot, rng):
     assert_allclose(np.trace(N, axis1=-2, axis2=-1), robot.joints - 1)
 
 
-@ROBOTS
-def test_manipulability_is_the_root_of_the_determinant(robot, rng):
-    J = jacobian(postures(rng, robot, 20), robot)
-    assert_allclose(manipulability(J), np.sqrt(np.linalg.det(J @ np.swapaxes(J, -1, -2))))
-
-
-def test_the_whole_robots_manipulability_is_blind_to_a_stretched_arm():
-    q = np.array([0.0, 0.0, 0.3, 0.4, 0.7, 0.0])
-    J = jacobian(q, SLIDES)
-    assert manipulability(J[:, 2:]) < 1e-12 < 0.01 < manipulability(J)
-
-
-@ROBOTS
-@pytest.mark.parametrize("part", ["arm", "whole"])
-def test_the_gradient_is_that_of_finite_differences(robot, part, rng):
-    def w(q):
-        J = jacobian(q, robot)
-        return manipulability(J if part == "whole" else J[..., 2:])
-
-    q, steps = postures(rng, robot, 5), 1e-5 * np.eye(3 + robot.joints)[3:]
-    differences = np.stack([(w(q + step) - w(q - step)) / 2e-5 for step in steps], axis=-1)
-    found = manipulability_gradient(q, robot, part)
-    assert_allclose(found, differences, rtol=1e-6, atol=1e-6)
-
-
 def test_the_error_shrinks_by_w_with_a_robot_that_obeys(rng):
     q, W, T = postures(rng, SLIDES), np.array([0.2, 0.5, 0.9]), 0.1
     h = hand(q, SLIDES)
@@ -321,10 +294,6 @@ def test_joint_bounds_keep_the_angles_in_range(rng):
         (lambda: minimum_norm(np.eye(4, 3), np.ones(4)), "more equations"),
         (lambda: minimum_norm(np.eye(3, 4), np.ones(2)), "b must"),
         (lambda: minimum_norm(np.eye(3, 4), np.ones(3), weights=-np.ones(4)), "weights must be p"),
-        (
-            lambda: manipulability_gradient(np.zeros(7), part="legs"),
-            "part must be one of arm, whole",
-        ),
         (lambda: SlidesRobot(l2=0), "SlidesRobot.l2"),
     ],
 )

@@ -1,7 +1,9 @@
 """Tracks and arm together: how the hand moves, and velocities that move it as wanted.
 
 - `robots`: the robot of the slides and the backhoe, their hands and Jacobians
-- `linear`: minimum norm, null space, manipulability; `priorities`: several tasks, the first first
+- `linear`: minimum norm, null space; `priorities`: several tasks, the first first
+- `manipulability`: how easily the hand moves
+- `secondary`: what the null space is for: posture, manipulability, joint limits, obstacles
 - `tracking`: the wanted velocity of the hand; `limits`: velocities within limits
 - `loops`: the solution of J v = b, written once; `engine`: the same, compiled
 - `stability`: what keeps the machine on its tracks, and how much of a load tips it over
@@ -10,12 +12,14 @@ Source: Sasig and Chicaiza 2017; Mastalli 2013 for the balance.
 """
 
 from backhoe.whole_body.limits import Limited, joint_bounds, limited_velocity
-from backhoe.whole_body.linear import (
-    damping_near_singularity,
+from backhoe.whole_body.linear import damping_near_singularity, minimum_norm, null_projector
+from backhoe.whole_body.manipulability import (
+    Ellipsoid,
+    characteristic_length,
+    ellipsoid,
+    length_weights,
     manipulability,
     manipulability_gradient,
-    minimum_norm,
-    null_projector,
 )
 from backhoe.whole_body.priorities import strict_priorities
 from backhoe.whole_body.robots import (
@@ -27,24 +31,32 @@ from backhoe.whole_body.robots import (
     hand,
     jacobian,
 )
+from backhoe.whole_body.secondary import from_limits, to_manipulability, to_posture
 from backhoe.whole_body.tracking import wanted_velocity
 
 __all__ = [
     "BACKHOE",
     "SLIDES",
+    "Ellipsoid",
     "Excavator",
     "Limited",
     "Robot",
     "SlidesRobot",
+    "characteristic_length",
     "damping_near_singularity",
+    "ellipsoid",
+    "from_limits",
     "hand",
     "jacobian",
     "joint_bounds",
+    "length_weights",
     "limited_velocity",
     "manipulability",
     "manipulability_gradient",
     "minimum_norm",
     "null_projector",
     "strict_priorities",
+    "to_manipulability",
+    "to_posture",
     "wanted_velocity",
 ]

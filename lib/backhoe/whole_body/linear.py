@@ -1,7 +1,6 @@
-"""More velocities than equations: the least of them, those that change nothing, and how easily the
-hand moves.
+"""More velocities than equations: the least of them, and those that change nothing.
 
-Source: Sasig and Chicaiza 2017, design of the controller and secondary task.
+Source: Sasig and Chicaiza 2017, design of the controller.
 """
 
 from __future__ import annotations
@@ -13,10 +12,8 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import choice, numbers, positive
-from backhoe.whole_body.robots import BACKHOE, Robot, posture
+from backhoe.basics.inputs import numbers, positive
 
-PARTS = ("arm", "whole")
 DEPENDENT = 1e-10
 """A singular value below this share of the largest counts as 0 [1]."""
 
@@ -69,7 +66,7 @@ def minimum_norm(
     v, count = np.empty((*leading, n)), J.size // (m * n)
     v0 = np.zeros(v.shape) if v0 is None else v0
     if weights is not None:
-        scale = _scale(weights, n)
+        scale = scale_of(weights, n)
         J, v0 = J / scale, v0 * scale
     damp = np.zeros(count)
     damp += np.reshape(damping, -1) if np.ndim(damping) else damping
@@ -93,7 +90,7 @@ def null_projector(J: ArrayLike) -> NDArray:
     Raises:
         ValueError: J is not a matrix, or a value is not finite.
     """
-    J = _matrices(J)
+    J = matrices(J)
     *_, sizes, along = np.linalg.svd(J, full_matrices=False)
     along = along * (sizes > DEPENDENT * sizes[..., :1])[..., None]
     return np.eye(J.shape[-1]) - np.swapaxes(along, -1, -2) @ along
@@ -118,69 +115,10 @@ def damping_near_singularity(J: ArrayLike, threshold: float, largest: float) -> 
         ValueError: J is not a matrix, has more rows than columns, or a value is not finite;
             threshold or largest is not positive.
     """
-    J = _matrices(J)
+    J = matrices(J)
     threshold, largest = positive(threshold, "threshold"), positive(largest, "largest")
     least = np.linalg.svd(J, compute_uv=False)[..., -1]
     return largest * np.sqrt(np.maximum(1 - (least / threshold) ** 2, 0.0))
-
-
-def manipulability(J: ArrayLike, weights: ArrayLike | None = None) -> NDArray:
-    """w = sqrt(det(J J^T)), the product of the singular values: 0 where a direction is lost.
-
-    Of a whole robot it says nothing of its arm, since the platform moves the hand too: take the
-    arm's columns for that. Source: Sasig and Chicaiza 2017, secondary task.
-
-    Args:
-        J: shape (..., m, n), m not above n.
-        weights: as for `minimum_norm`, shape (n,); all alike if None.
-
-    Returns:
-        Shape (...), in the units of J to the power m.
-
-    Raises:
-        ValueError: J is not a matrix, has more rows than columns, or a value is not finite;
-            weights that are not positive.
-    """
-    J = _matrices(J)
-    if weights is not None:
-        J = J / _scale(weights, J.shape[-1])
-    return np.prod(np.linalg.svd(J, compute_uv=False), axis=-1)
-
-
-def manipulability_gradient(q: ArrayLike, robot: Robot = BACKHOE, part: str = "arm") -> NDArray:
-    """How the manipulability changes with the joints: dw/dq = w trace(J^+ dJ/dq).
-
-    Args:
-        q: posture as for `hand`, shape (..., 3 + joints) [m, m, rad, ...].
-        robot: as for `hand`.
-        part: "arm" for the arm's own columns, "whole" for platform and arm.
-
-    Returns:
-        Derivative by each joint, shape (..., joints) [m^3/rad]. The platform's place and heading
-        change nothing.
-
-    Raises:
-        ValueError: as for `hand`, or another part.
-    """
-    whole = choice(part, "part", PARTS) == "whole"
-    arm = posture(q, robot)[..., 3:]
-    J, axes = robot.reach_jacobian(arm), robot.axes(arm)
-    first, last = (
-        np.minimum.outer(*2 * [range(robot.joints)]),
-        np.maximum.outer(*2 * [range(robot.joints)]),
-    )
-    change = np.cross(axes[..., first], J[..., last], axis=-3)
-    if whole:
-        up, none = np.array([0.0, 0.0, 1.0]), np.zeros_like(J)
-        turning = np.cross(up, np.moveaxis(J, -2, -1))
-        reach = robot.reach(arm)
-        platform = np.stack([np.broadcast_to([1.0, 0, 0], reach.shape), np.cross(up, reach)], -1)
-        J = np.concatenate([platform, J], axis=-1)
-        moved = np.stack([none, np.moveaxis(turning, -1, -2)], axis=-2)
-        change = np.concatenate([moved, change], axis=-2)
-    inverse = np.linalg.pinv(J)
-    w = manipulability(J)
-    return w[..., None] * np.einsum("...ki,...ikj->...j", inverse, change)
 
 
 def _ready(J: object, b: object, v0: object, damping: object) -> bool:
@@ -197,7 +135,7 @@ def _ready(J: object, b: object, v0: object, damping: object) -> bool:
 def _checked(
     J: ArrayLike, b: ArrayLike, v0: ArrayLike | None, damping: ArrayLike
 ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    J = _matrices(J)
+    J = matrices(J)
     *leading, m, n = J.shape
     b = numbers(b, "b", (*leading, m), meaning=f"one value for each of the {m} rows of J")
     v0 = np.zeros((*leading, n)) if v0 is None else v0
@@ -223,7 +161,12 @@ def _why(J: NDArray, at: tuple) -> str:
     return f"J, b and preferred must be of a size that can be squared, they are not{where}"
 
 
-def _matrices(J: ArrayLike) -> NDArray:
+def matrices(J: ArrayLike) -> NDArray:
+    """J checked: shape (..., m, n), in its own units.
+
+    Raises:
+        ValueError: no matrix, more rows than columns, or a value is not finite.
+    """
     J = numbers(J, "J", (..., "m", "n"), meaning="a matrix")
     if J.shape[-2] > J.shape[-1]:
         raise ValueError(
@@ -232,7 +175,12 @@ def _matrices(J: ArrayLike) -> NDArray:
     return J
 
 
-def _scale(weights: ArrayLike, n: int) -> NDArray:
+def scale_of(weights: ArrayLike, n: int) -> NDArray:
+    """Roots of n weights, shape (n,), by which the columns of J are divided.
+
+    Raises:
+        ValueError: another shape, or weights that are not positive.
+    """
     weights = numbers(weights, "weights", (n,), meaning="one weight a column of J")
     if (weights <= 0).any():
         raise ValueError(f"weights must be positive, got {weights.min()}")

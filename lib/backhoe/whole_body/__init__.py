@@ -4,6 +4,9 @@
 - `linear`: minimum norm, null space; `priorities`: several tasks, the first first
 - `manipulability`: how easily the hand moves
 - `secondary`: what the null space is for: posture, manipulability, joint limits, obstacles
+- `linear`: minimum norm, null space; `manipulability`: how easily the hand moves
+- `secondary`: what the null space is for: posture, manipulability, joint limits
+- `obstacles`: how far platform and arm are from them, and how to keep clear
 - `tracking`: the wanted velocity of the hand; `limits`: velocities within limits
 - `loops`: the solution of J v = b, written once; `engine`: the same, compiled
 - `stability`: what keeps the machine on its tracks, and how much of a load tips it over
@@ -21,6 +24,7 @@ from backhoe.whole_body.manipulability import (
     manipulability,
     manipulability_gradient,
 )
+from backhoe.whole_body.obstacles import Clearance, clearance, keep_clear, steer_clear
 from backhoe.whole_body.priorities import strict_priorities
 from backhoe.whole_body.robots import (
     BACKHOE,
@@ -37,24 +41,28 @@ from backhoe.whole_body.tracking import wanted_velocity
 __all__ = [
     "BACKHOE",
     "SLIDES",
+    "Clearance",
     "Ellipsoid",
     "Excavator",
     "Limited",
     "Robot",
     "SlidesRobot",
     "characteristic_length",
+    "clearance",
     "damping_near_singularity",
     "ellipsoid",
     "from_limits",
     "hand",
     "jacobian",
     "joint_bounds",
+    "keep_clear",
     "length_weights",
     "limited_velocity",
     "manipulability",
     "manipulability_gradient",
     "minimum_norm",
     "null_projector",
+    "steer_clear",
     "strict_priorities",
     "to_manipulability",
     "to_posture",

@@ -1,4 +1,4 @@
-"""The laws of `forces`, `tracks`, `moving_base` and `standing`, compiled.
+"""The laws of `forces`, `servo`, `tracks`, `moving_base` and `standing`, compiled.
 
 They run a thousand times a second. Give `push` its numbers as a plain tuple: Numba takes that over
 faster.
@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from backhoe.arm.dynamics import terms
 from backhoe.basics.engine import compiled
-from backhoe.simulation import forces, moving_base, standing, tracks
+from backhoe.simulation import forces, moving_base, servo, standing, tracks
 from backhoe.whole_body.stability import terms as stability_terms
 
-push, tip_motion, balance, stand, *_ = compiled(
+push, tip_motion, balance, stand, speed_torque, *_ = compiled(
     forces.push,
     forces.tip_motion,
     moving_base.balance,
     standing.stand,
+    servo.speed_torque,
     tracks.shear,
     tracks.run_belts,
     tracks.drive_belts,

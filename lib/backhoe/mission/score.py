@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -16,14 +15,10 @@ from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.loading import Run, run
 from backhoe.mission.surveying import SurveyRun, survey
+from backhoe.mission.table import MARGIN_ROWS, table
 from backhoe.mission.worksite import CODA, EYES
 from backhoe.simulation.soil import SoilParameters
 from backhoe.vehicle.tracking import Path
-
-_MARGIN_ROWS = [
-    ("least margin [m]", "{:.2f}", lambda score: round(score.margin, 2) + 0.0),
-    ("  that was at [s]", "{:.1f}", lambda score: score.margin_time),
-]
 
 
 @dataclass(frozen=True)
@@ -53,9 +48,9 @@ class Score:
             ("way-point error [cm]", "{:.0f}", lambda score: 100 * score.waypoint_error),
             ("bucket error [deg]", "{:.0f}", lambda score: np.degrees(score.bucket_error)),
             ("error in the air [deg]", "{:.1f}", lambda score: np.degrees(score.tracking)),
-            *_MARGIN_ROWS,
+            *MARGIN_ROWS,
         ]
-        return _table(self, rows)
+        return table(self, rows)
 
 
 @dataclass(frozen=True)
@@ -95,14 +90,14 @@ class DriveScore:
             ("arrived", "{}", lambda score: "yes" if score.reached else "no"),
         ]
         if not np.isnan(self.margin):
-            rows += _MARGIN_ROWS
+            rows += MARGIN_ROWS
         if not np.isnan(self.position_error):
             off = np.nan_to_num
             rows += [
                 ("believed place off [cm]", "{:.1f}", lambda s: off(100 * s.position_error)),
                 ("believed heading [deg]", "{:.1f}", lambda s: off(np.degrees(s.heading_error))),
             ]
-        return _table(self, rows)
+        return table(self, rows)
 
 
 @dataclass(frozen=True)
@@ -143,20 +138,7 @@ class SurveyScore:
             ("map: truck left [%]", "{:.0f}", lambda score: 100 * score.left),
             ("map: dark unknown [%]", "{:.1f}", lambda score: 100 * score.dark),
         ]
-        return _table(self, rows)
-
-
-def _table(score: Score | DriveScore | SurveyScore, rows: list[tuple[str, str, Callable]]) -> str:
-    columns = [score] if score.reference is None else [score, score.reference]
-    beside = "library" if score.swapped else "on truth"
-    heads = ["yours" if score.swapped else "library", beside][: len(columns)]
-    parts = ", ".join(score.swapped) or "none"
-    lines = [f"swapped in: {parts}", " " * 24 + "".join(f"{head:>10}" for head in heads)]
-    lines += [
-        f"{label:<24}" + "".join(f"{form.format(value(column)):>10}" for column in columns)
-        for label, form, value in rows
-    ]
-    return "\n".join(lines)
+        return table(self, rows)
 
 
 def _measure(run: Run) -> Score:

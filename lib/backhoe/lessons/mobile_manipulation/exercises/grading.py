@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.lessons.exercise import Exercise
-from backhoe.whole_body import limited_velocity, manipulability, minimum_norm
+from backhoe.whole_body import (
+    limited_velocity,
+    manipulability,
+    minimum_norm,
+    strict_priorities,
+)
 
 __all__ = ["EXERCISES"]
 
@@ -90,9 +95,7 @@ MANIPULABILITY = Exercise(
 
 def two_tasks(J1: NDArray, b1: NDArray, J2: NDArray, b2: NDArray) -> NDArray:
     """The first task exactly, the second as well as the null space of the first allows."""
-    v1 = np.linalg.pinv(J1) @ b1
-    left = J2 @ (np.eye(J1.shape[1]) - np.linalg.pinv(J1) @ J1)
-    return v1 + np.linalg.pinv(left, 1e-9) @ (b2 - J2 @ v1)
+    return strict_priorities([(J1, b1), (J2, b2)])
 
 
 def _tasks(rng: np.random.Generator) -> list[tuple]:

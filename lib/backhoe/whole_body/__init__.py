@@ -3,8 +3,6 @@
 - `robots`: the robot of the slides and the backhoe, their hands and Jacobians
 - `linear`: minimum norm, null space; `priorities`: several tasks, the first first
 - `manipulability`: how easily the hand moves
-- `secondary`: what the null space is for: posture, manipulability, joint limits, obstacles
-- `linear`: minimum norm, null space; `manipulability`: how easily the hand moves
 - `secondary`: what the null space is for: posture, manipulability, joint limits
 - `obstacles`: how far platform and arm are from them, and how to keep clear
 - `tracking`: the wanted velocity of the hand; `limits`: velocities within limits

@@ -3,17 +3,16 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.optimize import minimize
 
+from backhoe.machine import variants
 from backhoe.whole_body import (
     BACKHOE,
     SLIDES,
+    Excavator,
     SlidesRobot,
     damping_near_singularity,
     hand,
     jacobian,
-    joint_bounds,
-    limited_velocity,
     minimum_norm,
     null_projector,
     wanted_velocity,
@@ -225,65 +224,22 @@ def test_gains_that_do_not_shrink_the_error_are_refused(W):
         wanted_velocity(np.zeros(3), np.zeros(3), np.zeros(3), W, 0.1)
 
 
-def test_without_a_limit_in_the_way_the_task_is_done_in_full(rng):
-    J, b = jacobian(postures(rng, BACKHOE)), rng.normal(size=3) / 10
-    v, s = limited_velocity(J, b, np.full(6, -50.0), np.full(6, 50.0), small=1e-9)
-    assert s == pytest.approx(1, abs=1e-6)
-    assert_allclose(v, minimum_norm(J, b), atol=1e-5)
+def test_a_gain_of_zero_brings_the_hand_there_in_one_step(rng):
+    h, goal, next_goal = rng.normal(size=(3, 3))
+    assert_allclose(h + 0.1 * wanted_velocity(h, goal, next_goal, 0, 0.1), next_goal, atol=1e-15)
 
 
-def test_a_limit_scales_the_whole_task_and_keeps_its_direction(rng):
-    for _ in range(50):
-        J, b = jacobian(postures(rng, BACKHOE)), rng.normal(size=3)
-        top = rng.uniform(0.05, 0.4, 6)
-        A, c = rng.normal(size=(2, 6)), rng.uniform(0.01, 0.2, 2)
-        v, s = limited_velocity(J, b, -top, top, A=A, c=c)
-        assert_allclose(J @ v, s * b, atol=1e-9)
-        assert (np.abs(v) <= top).all() and (A @ v <= c + 1e-9).all() and 0 <= s <= 1
-
-
-def test_the_programme_is_solved_as_another_solver_solves_it(rng):
-    for _ in range(10):
-        J, b, top = jacobian(postures(rng, BACKHOE)), rng.normal(size=3), rng.uniform(0.1, 0.5, 6)
-        v0 = rng.normal(size=6) / 10
-        v, s = limited_velocity(J, b, -top, top, preferred=v0, small=0.01)
-
-        def cost(x, v0=v0):
-            return (1 - x[6]) ** 2 + 0.01 * ((x[:6] - v0) ** 2).sum()
-
-        other = minimize(
-            cost,
-            np.zeros(7),
-            method="SLSQP",
-            bounds=[*zip(-top, top, strict=True), (0, 1)],
-            constraints={"type": "eq", "fun": lambda x, J=J, b=b: J @ x[:6] - x[6] * b},
-            options={"maxiter": 500, "ftol": 1e-14},
-        )
-        assert other.success
-        assert_allclose([*v, s], other.x, atol=2e-5)
-        assert cost(np.r_[v, s]) <= other.fun + 1e-9
-
-
-def test_limits_that_exclude_each_other_are_named():
-    J, b, top = np.eye(3, 5), np.ones(3), np.ones(5)
-    with pytest.raises(ValueError, match=r"row 1 of A allows at most -9, .* at least -1"):
-        limited_velocity(J, b, -top, top, A=np.eye(5)[:2], c=[1.0, -9.0])
+def test_a_path_that_jumps_is_told_with_its_step():
+    goals = np.cumsum(np.full((6, 3), 0.01), axis=0)
+    wanted_velocity(goals[:-1], goals[:-1], goals[1:], 0.5, 0.1, fastest=0.2)
+    goals[4:] += [0.0, 0.3, 0.0]
     with pytest.raises(
-        ValueError, match=r"lower must not be above upper, got 2\.0 and 1.0 for vel"
+        ValueError, match=r"at most 0.02 m from goal, got 0.3103 m in step 3.*jumps"
     ):
-        limited_velocity(J, b, 2 * np.eye(5)[3], top)
-
-
-def test_joint_bounds_keep_the_angles_in_range(rng):
-    low, high, fastest = np.array([-1.0, 0.0]), np.array([1.0, 0.5]), np.array([2.0, 1.0])
-    for q in rng.uniform(low, high, (100, 2)):
-        for bound in joint_bounds(q, low, high, fastest, 0.1):
-            assert (np.abs(bound) <= fastest).all()
-            assert (q + 0.1 * bound >= low - 1e-12).all() and (
-                q + 0.1 * bound <= high + 1e-12
-            ).all()
-    lower, upper = joint_bounds([2.0, 0.2], low, high, fastest, 0.1)
-    assert lower[0] == upper[0] == -2.0
+        wanted_velocity(goals[:-1], goals[:-1], goals[1:], 0.5, 0.1, fastest=0.2)
+    with pytest.raises(ValueError, match=r"got 0.3103 m: the path jumps"):
+        wanted_velocity(goals[3], goals[3], goals[4], 0.5, 0.1, fastest=0.2)
+    wanted_velocity(goals[3], goals[3], goals[4], 0.5, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -302,6 +258,58 @@ def test_bad_input_is_told(call, message):
         call()
 
 
-def test_a_robot_that_is_none_is_told():
+@pytest.mark.parametrize("robot", ["backhoe", None, SlidesRobot, 3])
+def test_a_robot_that_is_none_is_told(robot):
     with pytest.raises(TypeError, match="robot must be SLIDES, BACKHOE"):
-        jacobian(np.zeros(7), "backhoe")
+        jacobian(np.zeros(7), robot)
+
+
+class Rail:
+    """A robot of one's own: one link that turns about an upright post on the platform."""
+
+    joints = 1
+
+    def reach(self, q):
+        return np.stack([2 * np.cos(q[..., 0]), 2 * np.sin(q[..., 0]), 0 * q[..., 0] + 1], axis=-1)
+
+    def reach_jacobian(self, q):
+        return np.stack([-2 * np.sin(q), 2 * np.cos(q), 0 * q], axis=-2)
+
+    def axes(self, q):
+        return np.broadcast_to([[0.0], [0], [1]], (*q.shape[:-1], 3, 1))
+
+
+OTHERS = {
+    "short slides": SlidesRobot(0.0, 0.9, 0.2, 0.7),
+    "loaded": Excavator(variants.loaded(800.0)),
+    "small": Excavator(variants.scaled(0.5)),
+    "other reading": Excavator(variants.reading([-10.0, 5.0, 30.0, -20.0])),
+    "own": Rail(),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_the_jacobian_of_other_robots(name, rng):
+    robot = OTHERS[name]
+    for q in postures(rng, robot, 10):
+        v, dt = rng.normal(size=2 + robot.joints), 1e-5
+        moved = hand(q + dt * rates(q, v), robot) - hand(q - dt * rates(q, v), robot)
+        assert_allclose(jacobian(q, robot) @ v, moved / (2 * dt), atol=1e-8)
+    q = postures(rng, robot, 2, 3)
+    assert_allclose(jacobian(q, robot)[1, 2], jacobian(q[1, 2], robot), atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"reach": lambda q: np.zeros(2)}, r"reach of the robot must .*\(3,\), got shape \(2,\)"),
+        ({"reach": lambda q: np.full(3, np.nan)}, "reach of the robot must be finite"),
+        ({"reach_jacobian": lambda q: np.eye(3)}, r"reach_jacobian of the robot must .*\(3, 1\)"),
+        ({"joints": 1.5}, "joints of the robot must be one whole number"),
+    ],
+)
+def test_a_robot_that_gives_something_else_is_told(change, message):
+    robot = Rail()
+    vars(robot).update(change)
+    with pytest.raises(ValueError, match=message):
+        jacobian(np.zeros(4), robot)

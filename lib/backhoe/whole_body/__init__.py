@@ -6,6 +6,9 @@
 - `secondary`: what the null space is for: posture, manipulability, joint limits
 - `obstacles`: how far platform and arm are from them, and how to keep clear
 - `tracking`: the wanted velocity of the hand; `limits`: velocities within limits
+- `secondary`: what the null space is for: posture, manipulability, joint limits, obstacles
+- `tracking`: the wanted velocity of the hand; `limits`: velocities within limits; `rows`: those
+  of belts and balance
 - `loops`: the solution of J v = b, written once; `engine`: the same, compiled
 - `stability`: what keeps the machine on its tracks, and how much of a load tips it over
 
@@ -33,6 +36,7 @@ from backhoe.whole_body.robots import (
     hand,
     jacobian,
 )
+from backhoe.whole_body.rows import Rows, margin_rows, track_rows
 from backhoe.whole_body.secondary import from_limits, to_manipulability, to_posture
 from backhoe.whole_body.tracking import wanted_velocity
 
@@ -44,6 +48,7 @@ __all__ = [
     "Excavator",
     "Limited",
     "Robot",
+    "Rows",
     "SlidesRobot",
     "characteristic_length",
     "clearance",
@@ -58,11 +63,13 @@ __all__ = [
     "limited_velocity",
     "manipulability",
     "manipulability_gradient",
+    "margin_rows",
     "minimum_norm",
     "null_projector",
     "steer_clear",
     "strict_priorities",
     "to_manipulability",
     "to_posture",
+    "track_rows",
     "wanted_velocity",
 ]

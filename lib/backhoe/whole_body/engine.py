@@ -1,8 +1,8 @@
-"""The loop of `loops`, compiled."""
+"""The loops of `loops`, compiled."""
 
 from __future__ import annotations
 
 from backhoe.basics.engine import compiled
 from backhoe.whole_body import loops
 
-(solve,) = compiled(loops.solve)
+solve, programme, within = compiled(loops.solve, loops.programme, loops.within)

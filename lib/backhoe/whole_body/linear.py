@@ -68,8 +68,8 @@ def minimum_norm(
     if weights is not None:
         scale = scale_of(weights, n)
         J, v0 = J / scale, v0 * scale
-    damp = np.zeros(count)
-    damp += np.reshape(damping, -1) if np.ndim(damping) else damping
+    damp = np.empty(count)
+    damp[...] = damping if ready else damping.reshape(-1)
     flat = J.reshape(count, m, n), b.reshape(count, m), v0.reshape(count, n), damp
     wrong = engine().solve(*flat, v.reshape(count, n), np.empty((m, m)), np.empty(m))
     if wrong >= 0:
@@ -123,10 +123,9 @@ def damping_near_singularity(J: ArrayLike, threshold: float, largest: float) -> 
 
 def _ready(J: object, b: object, v0: object, damping: object) -> bool:
     """Whether the arrays can go into the compiled loop as they are, which tells NaN by itself."""
-    for array in (J, b) if v0 is None else (J, b, v0):
-        if type(array) is not np.ndarray or array.dtype is not _FLOAT or not array.flags.carray:
-            return False
-    if J.ndim < 2 or b.shape != J.shape[:-1] or not 1 <= J.shape[-2] <= J.shape[-1]:
+    if not (plain(J, b) if v0 is None else plain(J, b, v0)) or J.ndim < 2:
+        return False
+    if b.shape != J.shape[:-1] or not 1 <= J.shape[-2] <= J.shape[-1]:
         return False
     fits = v0 is None or (v0.shape[:-1] == b.shape[:-1] and v0.shape[-1:] == J.shape[-1:])
     return fits and type(damping) is float and 0.0 <= damping < inf
@@ -159,6 +158,14 @@ def _why(J: NDArray, at: tuple) -> str:
             "cannot move in every direction there; leave the singularity, or give (more) damping"
         )
     return f"J, b and preferred must be of a size that can be squared, they are not{where}"
+
+
+def plain(*arrays: object) -> bool:
+    """Whether they can go into a compiled loop as they are: floats in a row, to read and write."""
+    for array in arrays:
+        if type(array) is not np.ndarray or array.dtype is not _FLOAT or not array.flags.carray:
+            return False
+    return True
 
 
 def matrices(J: ArrayLike) -> NDArray:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
-from backhoe.basics.inputs import instance, not_negative, numbers, positive
+from backhoe.basics.inputs import instance, not_negative, numbers, positive, short, whole
 from backhoe.machine import BACKHOE as MACHINE
 from backhoe.machine import Machine
 
@@ -129,7 +129,7 @@ def hand(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:
         ValueError: q has another length, or a value is not finite.
     """
     q = posture(q, robot)
-    x, y, z = np.moveaxis(robot.reach(q[..., 3:]), -1, 0)
+    x, y, z = np.moveaxis(reach(q, robot), -1, 0)
     cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
     across = q[..., 0] + x * cosine - y * sine
     return np.stack([across, q[..., 1] + x * sine + y * cosine, z], axis=-1)
@@ -154,8 +154,9 @@ def jacobian(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:
     """
     q = posture(q, robot)
     cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
-    x, y, _ = np.moveaxis(robot.reach(q[..., 3:]), -1, 0)
-    arm = robot.reach_jacobian(q[..., 3:])
+    x, y, _ = np.moveaxis(reach(q, robot), -1, 0)
+    shape = (*q.shape[:-1], 3, robot.joints)
+    arm = numbers(robot.reach_jacobian(q[..., 3:]), "reach_jacobian of the robot", shape)
     J = np.zeros((*q.shape[:-1], 3, 2 + robot.joints))
     J[..., 0, 0], J[..., 1, 0] = cosine, sine
     J[..., 0, 1], J[..., 1, 1] = -x * sine - y * cosine, x * cosine - y * sine
@@ -166,14 +167,24 @@ def jacobian(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:
     return J
 
 
+def reach(q: NDArray, robot: Robot) -> NDArray:
+    """The hand in the platform's frame at a checked posture q, (..., 3 + joints) to (..., 3) [m].
+
+    Raises:
+        ValueError: the robot gives something else.
+    """
+    return numbers(robot.reach(q[..., 3:]), "reach of the robot", (*q.shape[:-1], 3))
+
+
 def posture(q: ArrayLike, robot: Robot) -> NDArray:
     """q checked: x, y [m], theta and the joints [rad], shape (..., 3 + joints).
 
     Raises:
         TypeError: robot is none.
-        ValueError: another length, or a value is not finite.
+        ValueError: its joints are not 1 or more, another length, or a value is not finite.
     """
-    if not hasattr(robot, "reach_jacobian"):
-        raise TypeError(f"robot must be SLIDES, BACKHOE or like them, got {robot!r}")
+    if isinstance(robot, type) or not hasattr(robot, "reach_jacobian"):
+        raise TypeError(f"robot must be SLIDES, BACKHOE or like them, got {short(robot)}")
+    whole(robot.joints, "joints of the robot", least=1)
     meaning = f"values: x, y, theta and {robot.joints} joints"
     return numbers(q, "q", (..., 3 + robot.joints), meaning=meaning)

@@ -12,7 +12,13 @@ from backhoe.basics.inputs import numbers, positive
 
 
 def wanted_velocity(
-    h: ArrayLike, goal: ArrayLike, next_goal: ArrayLike, W: ArrayLike, T: float
+    h: ArrayLike,
+    goal: ArrayLike,
+    next_goal: ArrayLike,
+    W: ArrayLike,
+    T: float,
+    *,
+    fastest: float | None = None,
 ) -> NDArray:
     """b of J v = b: (h_d(k+1) - W (h_d(k) - h(k)) - h(k)) / T.
 
@@ -24,15 +30,17 @@ def wanted_velocity(
         h: the hand, shape (..., 3) [m].
         goal, next_goal: where it should be now and after the step, shapes (..., 3) [m].
         W: share of the error that a step leaves, of each direction or of all, shape (3,) or (), at
-            least 0 and below 1; near 0 is quick, near 1 slow.
+            least 0 and below 1; near 0 is quick, near 1 slow, and 0 itself asks for the whole
+            error to be gone after one step.
         T: the step [s].
+        fastest: speed of the goal above which the path jumps [m/s]; not looked at if None.
 
     Returns:
         Wanted velocity of the hand, shape (..., 3) [m/s].
 
     Raises:
-        ValueError: shapes that do not fit, values that are not finite, W outside [0, 1), or T not
-            positive.
+        ValueError: shapes that do not fit, values that are not finite, W outside [0, 1), T or
+            fastest not positive, or a goal that jumps; the message names the step.
     """
     h = numbers(h, "h", (..., 3), meaning="a point [m]")
     goal = numbers(goal, "goal", h.shape, meaning="like h")
@@ -46,4 +54,18 @@ def wanted_velocity(
             f"W must be at least 0 and below 1, got {worst}: the error after a step is W times "
             "that before, so it would not shrink, or change its sign each time"
         )
+    if fastest is not None:
+        _no_jump(next_goal - goal, T * positive(fastest, "fastest", "m/s"))
     return (next_goal - W * (goal - h) - h) / T
+
+
+def _no_jump(way: NDArray, most: float) -> None:
+    """ValueError if a way from goal to goal, shape (..., 3) [m], is longer than it may be."""
+    lengths = np.linalg.norm(way, axis=-1)
+    if (lengths > most).any():
+        at = tuple(map(int, np.unravel_index((lengths > most).argmax(), lengths.shape)))
+        where = f" in step {at if len(at) > 1 else at[0]}" if at else ""
+        raise ValueError(
+            f"next_goal must be at most {most:.4g} m from goal, got {lengths[at]:.4g} m{where}: "
+            "the path jumps; give it more time, or points between"
+        )

@@ -9,6 +9,7 @@
 from backhoe.whole_body.stability.balance import (
     Margin,
     centre_of_mass,
+    centre_of_mass_jacobian,
     gravity_on_slope,
     margin,
     zero_moment_point,
@@ -33,6 +34,7 @@ __all__ = [
     "Margin",
     "Tipping",
     "centre_of_mass",
+    "centre_of_mass_jacobian",
     "distances",
     "gravity_on_slope",
     "lifting_chart",

@@ -71,6 +71,40 @@ def centre_of_mass(q: ArrayLike, load: ArrayLike = 0.0, machine: Machine = BACKH
     return np.stack(np.broadcast_arrays(x, y, z), axis=-1) / np.asarray(mass)[..., None]
 
 
+def centre_of_mass_jacobian(
+    q: ArrayLike, load: ArrayLike = 0.0, machine: Machine = BACKHOE
+) -> NDArray:
+    """How the centre of mass of the whole machine moves with the joints.
+
+    Args:
+        q, load, machine: as for `centre_of_mass`.
+
+    Returns:
+        J with velocity J @ dq in the vehicle's axes, shape (..., 3, 4) [m/rad].
+
+    Raises:
+        ValueError: as for `centre_of_mass`.
+    """
+    arm, v, out_x, out_y = stand(joint_vector(q), _load(load), machine)
+    body, points = body_of(machine), joint_points(arm, v)
+    masses = arm.m_bo, arm.m_s, arm.m_bu
+    hinges = (arm.b1, arm.z1), (arm.b1 + v.l2r, arm.z1 + v.l2z)
+    hinges += ((hinges[1][0] + v.l3r, hinges[1][1] + v.l3z),)
+    columns = []
+    outward = body.m_t * body.ahead + sum(m * r for m, r in zip(masses, points[::2], strict=True))
+    leftward = body.m_t * body.aside
+    columns.append((-outward * out_y - leftward * out_x, outward * out_x - leftward * out_y, 0.0))
+    for k, (r0, z0) in enumerate(hinges):
+        turned = [(m, points[2 * i], points[2 * i + 1]) for i, m in enumerate(masses) if i >= k]
+        out = -sum(m * (z - z0) for m, _, z in turned)
+        columns.append((out * out_x, out * out_y, sum(m * (r - r0) for m, r, _ in turned)))
+    mass = body.m_u + body.m_t + sum(masses)
+    columns = [np.stack(np.broadcast_arrays(*column), axis=-1) for column in columns]
+    shape = np.broadcast_shapes(*(column.shape for column in columns))
+    columns = [np.broadcast_to(column, shape) for column in columns]
+    return np.stack(columns, axis=-1) / np.asarray(mass)[..., None, None]
+
+
 def zero_moment_point(
     q: ArrayLike,
     dq: ArrayLike = STILL,

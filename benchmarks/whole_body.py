@@ -1,0 +1,114 @@
+"""Velocities of a mobile manipulator: least ones alone and many at once, and within limits against
+quadprog called bare.
+
+Times are the best of many, so that what else the machine does counts little. Exit code 1 when a
+limit is missed.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+import quadprog
+
+from backhoe.whole_body import (
+    jacobian,
+    joint_bounds,
+    limited_velocity,
+    limits,
+    minimum_norm,
+    track_rows,
+)
+
+STATES = 100_000
+
+
+def report(what: str, figure: float, unit: str, limit: float) -> bool:
+    verdict = "ok" if figure <= limit else "MISSED"
+    print(f"{what:60s} {figure:9.3g} {unit:5s} limit {limit:<6.3g} {verdict}")
+    return figure <= limit
+
+
+def fastest(function: Callable, calls: int = 50, repeats: int = 200) -> float:
+    """Shortest time of a call [s], of some calls in a row, after one that may compile."""
+    function()
+    times = []
+    for _ in range(repeats):
+        start = perf_counter()
+        for _ in range(calls):
+            function()
+        times.append((perf_counter() - start) / calls)
+    return min(times)
+
+
+def least_velocities() -> list[bool]:
+    rng = np.random.default_rng(0)
+    J = jacobian(rng.uniform(-1.2, 1.2, (STATES, 7)))
+    b, v0 = rng.normal(size=(STATES, 3)), rng.normal(size=(STATES, 6))
+    v = np.empty((STATES, 6))
+
+    def loop() -> None:
+        for k in range(STATES):
+            v[k] = minimum_norm(J[k], b[k], v0[k])
+
+    one = fastest(lambda: minimum_norm(J[0], b[0], v0[0]))
+    looped = fastest(loop, 1, 3)
+    together = fastest(lambda: minimum_norm(J, b, v0), 1, 30)
+    assert (v == minimum_norm(J, b, v0)).all()
+    print(f"{STATES} states at once: {together * 1e9 / STATES:.0f} ns each")
+    return [
+        report("minimum norm and null space, 6 velocities, a step", one * 1e6, "us", 15),
+        report("1e5 at once over a loop", together / looped, "", 0.02),
+    ]
+
+
+def within_limits() -> list[bool]:
+    """The programmes that the library hands to quadprog, and the same bare; in a row with the
+    tracks' limits."""
+    rng, ok = np.random.default_rng(1), []
+    tracks = track_rows()._asdict()
+    for what, further in (("joints", {}), ("joints and tracks", tracks)):
+        ratios = []
+        for _ in range(5):
+            q = rng.uniform(-0.5, 0.5, 7)
+            J, b, v0 = jacobian(q), rng.normal(size=3), rng.normal(size=6) / 10
+            lower, upper = (
+                np.r_[-2.0, -1.0, bound] if k == 0 else np.r_[2.0, 1.0, bound]
+                for k, bound in enumerate(
+                    joint_bounds(q[3:], np.full(4, -1.5), np.full(4, 1.5), np.full(4, 0.5), 0.01)
+                )
+            )
+
+            def step(J=J, b=b, lower=lower, upper=upper, v0=v0, further=further):
+                return limited_velocity(J, b, lower, upper, preferred=v0, **further)
+
+            given = []
+            solver, limits.quadprog = limits.quadprog, Kept(given)
+            found = step()
+            limits.quadprog = solver
+            bare = quadprog.solve_qp(*given[0])[0]
+            assert np.abs(bare - [*found.v, found.s]).max() < 1e-6
+            times = fastest(step), fastest(lambda given=given: quadprog.solve_qp(*given[0]))
+            ratios.append(times[0] / times[1])
+        print(f"the step with limits of {what}: {times[0] * 1e6:.1f} us, bare {times[1] * 1e6:.1f}")
+        ok.append(report(f"limits of {what}, over quadprog bare", np.median(ratios), "", 2.5))
+    return ok
+
+
+class Kept:
+    """quadprog, that keeps what it is given."""
+
+    def __init__(self, given: list) -> None:
+        self.given = given
+
+    def solve_qp(self, *arguments: object) -> tuple:
+        self.given.append(arguments)
+        return quadprog.solve_qp(*arguments)
+
+
+if __name__ == "__main__":
+    results = [fine for job in (least_velocities, within_limits) for fine in job()]
+    sys.exit(0 if all(results) else 1)

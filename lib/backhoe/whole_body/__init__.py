@@ -9,12 +9,14 @@
 - `secondary`: what the null space is for: posture, manipulability, joint limits, obstacles
 - `tracking`: the wanted velocity of the hand; `limits`: velocities within limits; `rows`: those
   of belts and balance
+- `plant`: a robot that only moves; `paths`: for its hand; `following`: one along the other
 - `loops`: the solution of J v = b, written once; `engine`: the same, compiled
 - `stability`: what keeps the machine on its tracks, and how much of a load tips it over
 
 Source: Sasig and Chicaiza 2017; Mastalli 2013 for the balance.
 """
 
+from backhoe.whole_body.following import Following, follow
 from backhoe.whole_body.limits import Limited, joint_bounds, limited_velocity
 from backhoe.whole_body.linear import damping_near_singularity, minimum_norm, null_projector
 from backhoe.whole_body.manipulability import (
@@ -26,6 +28,8 @@ from backhoe.whole_body.manipulability import (
     manipulability_gradient,
 )
 from backhoe.whole_body.obstacles import Clearance, clearance, keep_clear, steer_clear
+from backhoe.whole_body.paths import HandPath, circle_path, eight_path, sine_path
+from backhoe.whole_body.plant import KinematicPlant
 from backhoe.whole_body.priorities import strict_priorities
 from backhoe.whole_body.robots import (
     BACKHOE,
@@ -46,14 +50,20 @@ __all__ = [
     "Clearance",
     "Ellipsoid",
     "Excavator",
+    "Following",
+    "HandPath",
+    "KinematicPlant",
     "Limited",
     "Robot",
     "Rows",
     "SlidesRobot",
     "characteristic_length",
+    "circle_path",
     "clearance",
     "damping_near_singularity",
+    "eight_path",
     "ellipsoid",
+    "follow",
     "from_limits",
     "hand",
     "jacobian",
@@ -66,6 +76,7 @@ __all__ = [
     "margin_rows",
     "minimum_norm",
     "null_projector",
+    "sine_path",
     "steer_clear",
     "strict_priorities",
     "to_manipulability",

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import choice, function, numbers
-from backhoe.mission.parts import DRIVE_PARTS, PARTS, SURVEY_PARTS, Part
+from backhoe.mission.parts import DRIVE_PARTS, GRADE_PARTS, PARTS, SURVEY_PARTS, Part
 
 LIBRARY = "library"
 ESTIMATORS = ("odometry", "localisation")
 MAKERS = ("map",)
-_CALLS = {name: part.call for name, part in (PARTS | DRIVE_PARTS | SURVEY_PARTS).items()}
+_TABLES = PARTS | DRIVE_PARTS | SURVEY_PARTS | GRADE_PARTS
+_CALLS = {name: part.call for name, part in _TABLES.items()}
 
 
 def given_parts(

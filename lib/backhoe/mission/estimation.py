@@ -54,6 +54,10 @@ class EstimatedPlant:
     def step(self, v: float, omega: float) -> None:
         """Drive for one sample, then read the sensors; see `TrackedPlant.step`."""
         self._plant.step(v, omega)
+        self.sense()
+
+    def sense(self) -> None:
+        """Read the sensors at the end of a sample."""
         left, right, *others = self._sensors()
         for name, part in self._parts.items():
             poses = self.estimates[name]

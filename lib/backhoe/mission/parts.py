@@ -111,6 +111,17 @@ SURVEY_PARTS = {
 }
 """What `survey` takes; a class will do for the map."""
 
+GRADE_PARTS = {
+    "whole_body": Part(
+        "whole_body(J, b, preferred, lower, upper) -> v",
+        "velocities u, omega, swing, boom, stick, bucket (6,) [m/s, rad/s] within lower and upper "
+        "(6,), near preferred (6,), so that the edge's x, y, z and pitch get J v along b: J (4, 6), "
+        "b (4,) [m/s, rad/s]",
+        "12",
+    ),
+    **{name: DRIVE_PARTS[name] for name in ("odometry", "localisation")},
+}
+"""What `grade` takes."""
 
 STROKE = (
     ("turn to the heap", 4.5, 6.3, 4.2, 60),

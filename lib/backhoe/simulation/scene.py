@@ -1,4 +1,4 @@
-"""What stands around the machine: the ground's grid, spoil heaps and the dump truck.
+"""What stands around the machine: the ground's grid, spoil heaps, a bank and the dump truck.
 
 Lengths in m, angles in rad, in the world frame (x forward, y left, z up; flat ground at z = 0).
 All numbers are our choice, made so that the machine reaches heap and truck without driving.
@@ -18,6 +18,9 @@ from backhoe.simulation.soil import Ground, SoilParameters, Terrain
 ROUGHNESS = 0.03
 """Height of the bumps on a heap [m]; they come from the seed."""
 
+FADING = 0.6
+"""Over which a bank's surplus thins out [m]."""
+
 
 @dataclass(frozen=True)
 class Heap:
@@ -36,6 +39,41 @@ class Heap:
         """Height above the flat ground at (x, y) [m], same shape as x and y."""
         distance = np.minimum(np.hypot(x - self.x, y - self.y) / self.radius, 1.0)
         return self.height / 2 * (1 + np.cos(np.pi * distance))
+
+
+@dataclass(frozen=True)
+class Bank:
+    """A bank of earth, left higher than the slope that shall be cut from it.
+
+    That slope rises from its foot, `foot` (x, y) its middle [m], in `direction` [rad], 1 m on
+    `ratio` m of horizontal way, `length` up the slope [m]; behind its crest the bank is level. On
+    it lies a `surplus` between two thicknesses [m], in bumps from the seed; it thins out over
+    `FADING` at the foot and behind the crest. To both sides the bank goes on to the border.
+    """
+
+    foot: tuple[float, float]
+    direction: float = 0.0
+    ratio: float = 2.0
+    length: float = 6.0
+    surplus: tuple[float, float] = (0.10, 0.25)
+
+    def __post_init__(self) -> None:
+        numbers((*self.foot, self.direction), "Bank.foot and direction", (3,))
+        for name in ("ratio", "length"):
+            positive(getattr(self, name), f"Bank.{name}", "m")
+        least, most = numbers(self.surplus, "Bank.surplus", (2,), meaning="from, to [m]")
+        if not 0 <= least <= most:
+            raise ValueError(f"Bank.surplus must rise from 0 or more, got {self.surplus}")
+
+    def heights_at(self, x: NDArray, y: NDArray, rng: np.random.Generator) -> NDArray:
+        """Heights at (x, y) [m], same shape as x and y; rng makes the bumps."""
+        c, s = np.cos(self.direction), np.sin(self.direction)
+        along = (x - self.foot[0]) * c + (y - self.foot[1]) * s
+        run = self.length * self.ratio / np.hypot(1.0, self.ratio)
+        on = np.clip(along / FADING, 0, 1) * np.clip((run + 2 * FADING - along) / FADING, 0, 1)
+        least, most = self.surplus
+        bumps = _bumps(x, y, rng) / ROUGHNESS
+        return np.clip(along, 0, run) / self.ratio + on * (least + (most - least) * bumps)
 
 
 @dataclass(frozen=True)
@@ -73,6 +111,7 @@ class Scene:
     cell: float
     heaps: tuple[Heap, ...] = ()
     truck: Truck | None = None
+    bank: Bank | None = None
 
     def __post_init__(self) -> None:
         whole(self.rows, "Scene.rows", least=2)
@@ -94,6 +133,8 @@ class Scene:
         if ground.any():
             covered = np.minimum(ground / ground.max() * 4, 1.0)
             ground += covered * _bumps(x, y, np.random.default_rng(seed))
+        if self.bank is not None:
+            ground += self.bank.heights_at(x, y, np.random.default_rng(seed))
         return ground
 
 
@@ -145,3 +186,6 @@ LOADING = Scene(
 
 FLAT = Scene(corner=(-8.0, -8.0), rows=101, columns=101, cell=0.16)
 """Nothing but flat ground."""
+
+GRADING = Scene(corner=(-3.0, -6.8), rows=171, columns=213, cell=0.08, bank=Bank(foot=(5.0, 0.0)))
+"""A bank ahead, to be cut to a slope of 1:2, 6 m long; its foot is across the machine's way."""

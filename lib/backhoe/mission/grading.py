@@ -1,0 +1,242 @@
+"""Grading: the tracks creep while the bucket's edge draws a plane surface in the soil.
+
+`passes` plans the way of the edge, `tracing` leads it there with the whole machine, on the pose
+that the machine's sensors say; `design` judges the surface that is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import degrees
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from backhoe import simulation
+from backhoe.basics.inputs import choice, instance, positive, whole
+from backhoe.machine import BACKHOE, Machine
+from backhoe.mission.calls import ESTIMATORS, given_parts
+from backhoe.mission.design import Design, SlopeDesign
+from backhoe.mission.parts import GRADE_PARTS
+from backhoe.mission.passes import Stroke, edge_posture, slope_strokes
+from backhoe.mission.records import Record
+from backhoe.mission.tracing import CARRYING, FORWARD, PERIOD, Tracer, pitch_of
+from backhoe.simulation.scene import GRADING, Scene
+from backhoe.simulation.soil import SoilParameters, soil_of
+from backhoe.simulation.standing import Least
+from backhoe.whole_body import hand
+
+JOBS = ("slope",)
+
+FIXES = 0.5
+"""Time between two positions by a total station [s]."""
+
+WIDTH = 2.0
+"""Of the slope that is graded [m]."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GradingRun(Record):
+    """What happened; n rows, one for every sample of the sensors.
+
+    Attributes:
+        job, seed, fixes: as given.
+        scene, soil: of the world.
+        design: what should be left.
+        strokes: of the edge.
+        before, after: heights of the soil, shape (rows, columns) [m].
+        time: shape (n,) [s].
+        stroke: its number from 1, shape (n,).
+        pose, estimate: x, y, heading, true and as the part was told, shape (n, 3) [m, m, rad].
+        q: joint angles, shape (n, 4) [rad].
+        edge: x, y, z [m] and pitch [rad] of the edge, true, shape (n, 4).
+        goal: where it should be, NaN between two strokes, shape (n, 4).
+        v: velocities u, omega and of the joints that were asked for, shape (n, 6).
+        share: of the wanted velocity of the edge that these give, (n,) [1], NaN between strokes.
+        margin: of the machine's balance, shape (n,) [m]; `least` since the start.
+        bucket: soil in it, shape (n,) [m^3].
+        bucket_volume, off_map_volume: soil in the bucket and beside the map at the end [m^3].
+        soil_lost: largest change of all soil together [m^3].
+        excess: by which the part asked for more than the bounds, as a share of the largest
+            velocity, one value for each period of the strokes, shape (m,) [1].
+        given_up: number of strokes that took too long.
+    """
+
+    job: str
+    seed: int
+    fixes: float | None
+    scene: Scene
+    soil: SoilParameters
+    design: Design
+    strokes: tuple[Stroke, ...]
+    before: NDArray
+    after: NDArray
+    time: NDArray
+    stroke: NDArray
+    pose: NDArray
+    estimate: NDArray
+    q: NDArray
+    edge: NDArray
+    goal: NDArray
+    v: NDArray
+    share: NDArray
+    margin: NDArray
+    least: Least
+    bucket: NDArray
+    bucket_volume: float
+    off_map_volume: float
+    soil_lost: float
+    excess: NDArray
+    given_up: int
+    SHOWN = ("mission.grade", "Grade a slope", "3D replay of the backhoe grading a slope")
+
+    @property
+    def violations(self) -> float:
+        """Share of the strokes' periods in which the part asked for more than the bounds [1]."""
+        return float(np.mean(self.excess > 1e-6)) if len(self.excess) else 0.0
+
+
+def grade(
+    *,
+    job: str = "slope",
+    whole_body: Callable | None = None,
+    odometry: Callable | str | None = None,
+    localisation: Callable | str | None = "library",
+    fixes: float | None = FIXES,
+    scene: Scene = GRADING,
+    soil: str | SoilParameters | None = None,
+    machine: Machine = BACKHOE,
+    backend: str = "auto",
+    pose: ArrayLike | None = None,
+    seed: int = 0,
+    record: bool = False,
+    **unknown: object,
+) -> GradingRun:
+    """Grade a slope with the library's parts, or with yours in their place.
+
+    Args:
+        job: "slope", the scene's bank.
+        whole_body, odometry, localisation: your parts; `GRADE_PARTS` gives the call of each. What
+            tells the machine where it is may be "library"; of both the localisation counts, and
+            None for both is the truth.
+        fixes: time between two positions by a total station, for the localisation [s]; None for
+            none.
+        scene: with a bank.
+        soil: as in `simulation.open_world`.
+        machine, backend: likewise.
+        pose: where the machine starts, x, y, heading, shape (3,) [m, m, rad]; default the origin.
+        seed: of the bank's bumps and of the sensors' noise.
+        record: keep what the 3D replay needs.
+
+    Returns:
+        The run, with its log.
+
+    Raises:
+        ValueError: a job that there is not, a scene without a bank, a slope too steep for the soil
+            or out of reach, a start not well before it, a part that returns the wrong shape or
+            values that are not finite.
+        TypeError: a part of an unknown name, or one that cannot be called.
+        Tipped: the machine tips over (a RuntimeError); its `run` is the run until then.
+    """
+    choice(job, "job", JOBS)
+    given = given_parts(
+        GRADE_PARTS, unknown, whole_body=whole_body, odometry=odometry, localisation=localisation
+    )
+    fixes = None if fixes is None else positive(fixes, "fixes", "s")
+    seed = whole(seed, "seed", least=0)
+    soil = soil_of("sandy loam" if soil is None else soil)
+    design = _slope(instance(scene, "scene", Scene), soil)
+    strokes = slope_strokes(design, PERIOD, machine)
+    start = edge_posture(CARRYING, machine)
+    start[0] = FORWARD
+    options = {"backend": backend, "scene": scene, "seed": seed, "q": start, "soil": soil}
+    with simulation.open_world(machine, **options) as world:
+        if pose is not None:
+            world.reset(pose=pose)
+        _check_start(world.pose, strokes[0].stand)
+        before = world.ground.terrain.heights.copy()
+        tracer = Tracer(world, given, fixes, seed, record)
+
+        def made() -> GradingRun:
+            return _run(tracer, given, design, strokes, before, job, fixes, seed)
+
+        try:
+            tracer.do(strokes)
+        except simulation.Tipped as error:
+            error.run = made()
+            raise
+        return made()
+
+
+def _slope(scene: Scene, soil: SoilParameters) -> SlopeDesign:
+    bank = scene.bank
+    if bank is None:
+        raise ValueError("scene has no bank: give one, as simulation.scene.GRADING has")
+    design = SlopeDesign(bank.foot, bank.direction, bank.ratio, bank.length, WIDTH)
+    if design.angle >= soil.repose:
+        raise ValueError(
+            f"a slope of 1:{bank.ratio:g} ({degrees(design.angle):.0f} deg) does not stand in this "
+            f"soil, whose angle of repose is {degrees(soil.repose):.0f} deg"
+        )
+    return design
+
+
+def _check_start(pose: NDArray, stand: NDArray, room: float = 1.0) -> None:
+    c, s = np.cos(stand[2]), np.sin(stand[2])
+    ahead, aside = stand[:2] - pose[:2]
+    ahead = ahead * c + aside * s
+    turned = abs((pose[2] - stand[2] + np.pi) % (2 * np.pi) - np.pi)
+    if ahead < room or turned > np.pi / 4:
+        raise ValueError(
+            f"pose must be {room:g} m or more before where the first pass begins, {stand.round(2)},"
+            f" and face the bank within 45 deg, got {pose.round(2)}"
+        )
+
+
+def _run(
+    tracer: Tracer,
+    given: dict,
+    design: Design,
+    strokes: list[Stroke],
+    before: NDArray,
+    job: str,
+    fixes: float | None,
+    seed: int,
+) -> GradingRun:
+    time, stroke, q, estimate, goal, v, share, margin, bucket = map(
+        np.array, zip(*tracer.log, strict=True)
+    )
+    world, ground = tracer.world, tracer.world.ground
+    return GradingRun(
+        swapped=tuple(name for name, part in given.items() if not isinstance(part, str)),
+        machine=world.machine,
+        backend=world.backend,
+        recorder=tracer.recorder,
+        job=job,
+        seed=seed,
+        fixes=fixes if any(name in given for name in ESTIMATORS) else None,
+        scene=world.scene,
+        soil=ground.parameters,
+        design=design,
+        strokes=tuple(strokes),
+        before=before,
+        after=ground.terrain.heights.copy(),
+        time=time,
+        stroke=stroke,
+        pose=q[:, :3],
+        estimate=estimate,
+        q=q[:, 3:],
+        edge=np.column_stack([hand(q), pitch_of(q[:, 3:], world.machine)]),
+        goal=goal,
+        v=v,
+        share=share,
+        margin=margin,
+        least=world.least_margin,
+        bucket=bucket,
+        bucket_volume=ground.bucket_volume,
+        off_map_volume=ground.off_map_volume,
+        soil_lost=tracer.soil_lost,
+        excess=np.array(tracer.excess),
+        given_up=tracer.given_up,
+    )

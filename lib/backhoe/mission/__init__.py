@@ -1,15 +1,17 @@
-"""The missions: load the truck, drive a route, or look around, with parts a student can replace.
+"""The missions: load the truck, drive, look around or grade, with parts a student can replace.
 
 `run()` digs and loads with the library's parts, `drive()` drives along a path, `survey()` keeps a
-map of the work; `run(name=mine)` swaps one in, and so on. `PARTS`, `DRIVE_PARTS` and `SURVEY_PARTS`
-say what each part takes and gives. `score` sets a run beside the same run with the library's parts
-only. This is the one package that knows all parts.
+map of the work, `grade()` draws a slope; `run(name=mine)` swaps a part in, and so on. `PARTS`,
+`DRIVE_PARTS`, `SURVEY_PARTS` and `GRADE_PARTS` say what each part takes and gives. `score` sets a
+run beside the same run with the library's parts only. This is the one package that knows all parts.
 """
 
 from backhoe.mission.driving import DriveRun, drive
+from backhoe.mission.grading import GradingRun, grade
 from backhoe.mission.loading import Run, run
 from backhoe.mission.parts import (
     DRIVE_PARTS,
+    GRADE_PARTS,
     PARTS,
     SURVEY_PARTS,
     Part,
@@ -25,10 +27,12 @@ from backhoe.mission.surveying import SurveyRun, survey
 
 __all__ = [
     "DRIVE_PARTS",
+    "GRADE_PARTS",
     "PARTS",
     "SURVEY_PARTS",
     "DriveRun",
     "DriveScore",
+    "GradingRun",
     "Part",
     "Run",
     "Score",
@@ -38,6 +42,7 @@ __all__ = [
     "default_route",
     "drive",
     "drive_the_machine",
+    "grade",
     "hand_made_plan",
     "parts",
     "run",

@@ -5,8 +5,6 @@
 - `manipulability`: how easily the hand moves
 - `secondary`: what the null space is for: posture, manipulability, joint limits
 - `obstacles`: how far platform and arm are from them, and how to keep clear
-- `tracking`: the wanted velocity of the hand; `limits`: velocities within limits
-- `secondary`: what the null space is for: posture, manipulability, joint limits, obstacles
 - `tracking`: the wanted velocity of the hand; `limits`: velocities within limits; `rows`: those
   of belts and balance
 - `plant`: a robot that only moves; `paths`: for its hand; `following`: one along the other

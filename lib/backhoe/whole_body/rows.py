@@ -93,7 +93,8 @@ def margin_rows(
     moved[:, 2:] = change[:2] - np.outer([gx, gy], change[2]) / gz
     # Turning the vehicle turns the slope the other way round.
     moved[:, 1] = -z * np.array([gy, -gx]) / gz
-    polygon = support_polygon(machine)
-    inwards = (distances(np.eye(2), polygon) - distances(np.zeros(2), polygon)).T
-    excess = distances(point, polygon) - least
-    return Rows(-inwards @ moved, rate * np.maximum(excess, 0.0))
+    origin, ahead, aside, inside = distances(
+        [[0, 0], [1, 0], [0, 1], point], support_polygon(machine)
+    )
+    inwards = np.stack([ahead - origin, aside - origin], axis=-1)
+    return Rows(-inwards @ moved, rate * np.maximum(inside - least, 0.0))

@@ -87,22 +87,29 @@ def centre_of_mass_jacobian(
     """
     arm, v, out_x, out_y = stand(joint_vector(q), _load(load), machine)
     body, points = body_of(machine), joint_points(arm, v)
-    masses = arm.m_bo, arm.m_s, arm.m_bu
-    hinges = (arm.b1, arm.z1), (arm.b1 + v.l2r, arm.z1 + v.l2z)
-    hinges += ((hinges[1][0] + v.l3r, hinges[1][1] + v.l3z),)
-    columns = []
-    outward = body.m_t * body.ahead + sum(m * r for m, r in zip(masses, points[::2], strict=True))
-    leftward = body.m_t * body.aside
-    columns.append((-outward * out_y - leftward * out_x, outward * out_x - leftward * out_y, 0.0))
-    for k, (r0, z0) in enumerate(hinges):
-        turned = [(m, points[2 * i], points[2 * i + 1]) for i, m in enumerate(masses) if i >= k]
-        out = -sum(m * (z - z0) for m, _, z in turned)
-        columns.append((out * out_x, out * out_y, sum(m * (r - r0) for m, r, _ in turned)))
-    mass = body.m_u + body.m_t + sum(masses)
-    columns = [np.stack(np.broadcast_arrays(*column), axis=-1) for column in columns]
-    shape = np.broadcast_shapes(*(column.shape for column in columns))
-    columns = [np.broadcast_to(column, shape) for column in columns]
-    return np.stack(columns, axis=-1) / np.asarray(mass)[..., None, None]
+    r3, z3 = arm.b1 + v.l2r, arm.z1 + v.l2z
+    r, z, r0, z0, masses = (
+        np.stack(np.broadcast_arrays(*row, out_x)[:-1], axis=-1)
+        for row in (
+            points[::2],
+            points[1::2],
+            (arm.b1, r3, r3 + v.l3r),
+            (arm.z1, z3, z3 + v.l3z),
+            (arm.m_bo, arm.m_s, arm.m_bu),
+        )
+    )
+    # A joint turns its own link and those after it: sums from the bucket inwards.
+    m, mr, mz = (
+        np.cumsum(x[..., ::-1], axis=-1)[..., ::-1] for x in (masses, masses * r, masses * z)
+    )
+    outward, leftward = body.m_t * body.ahead + mr[..., 0], body.m_t * body.aside
+    J = np.zeros((*m.shape[:-1], 3, 4))
+    J[..., 0, 0] = -outward * out_y - leftward * out_x
+    J[..., 1, 0] = outward * out_x - leftward * out_y
+    out = m * z0 - mz
+    J[..., 0, 1:], J[..., 1, 1:] = out * out_x[..., None], out * out_y[..., None]
+    J[..., 2, 1:] = mr - m * r0
+    return J / (body.m_u + body.m_t + m[..., :1, None])
 
 
 def zero_moment_point(

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import function, numbers, positive
-from backhoe.whole_body.linear import manipulability, minimum_norm
+from backhoe.whole_body.linear import minimum_norm
+from backhoe.whole_body.manipulability import manipulability
 from backhoe.whole_body.plant import lags
 from backhoe.whole_body.robots import Robot, hand, jacobian
 from backhoe.whole_body.tracking import wanted_velocity

@@ -201,6 +201,32 @@ def test_the_ellipsoid_of_forces_is_its_inverse(rng):
         assert np.linalg.norm(J.T @ (length * way)) == pytest.approx(1)  # torques J^T f
 
 
+class TwoJoints:
+    """An arm too short of joints for three directions."""
+
+    joints = 2
+
+    def reach(self, q):
+        return SLIDES.reach(np.insert(q, 2, 0.5, axis=-1))
+
+    def reach_jacobian(self, q):
+        return SLIDES.reach_jacobian(np.insert(q, 2, 0.5, axis=-1))[..., :2]
+
+    def axes(self, q):
+        return SLIDES.axes(np.insert(q, 2, 0.5, axis=-1))[..., :2]
+
+
+def test_a_robot_of_ones_own_with_two_joints_has_a_whole_but_no_arm(rng):
+    robot, q = TwoJoints(), rng.uniform(-1, 1, (4, 5))
+    steps = 1e-5 * np.eye(5)[3:]
+    slopes = [
+        (w_of("whole", robot, q + s, None) - w_of("whole", robot, q - s, None)) / 2e-5
+        for s in steps
+    ]
+    found = manipulability_gradient(q, robot, "whole")
+    assert_allclose(found, np.stack(slopes, axis=-1), atol=1e-7)
+
+
 def test_what_cannot_be_drawn_is_told():
     flat = ellipsoid(jacobian([0, 0, 0, 0, 0.7, 0.0], SLIDES)[:, 2:])._replace(axes=np.zeros(3))
     with pytest.raises(ValueError, match="axes must be finite"):
@@ -211,5 +237,7 @@ def test_what_cannot_be_drawn_is_told():
         manipulability(np.eye(3), [1, 0, 1])
     with pytest.raises(ValueError, match="part must be one of arm, whole"):
         manipulability_gradient(np.zeros(7), part="legs")
+    with pytest.raises(ValueError, match="more equations"):
+        manipulability_gradient(np.zeros(5), TwoJoints())
     with pytest.raises(ValueError, match="length"):
         length_weights(SLIDES, -1.0)

@@ -86,7 +86,7 @@ def manipulability_gradient(
         change = np.concatenate([moved, change], axis=-2)
     else:
         scale = scale[2:]
-    U, sigma, V = np.linalg.svd(J / scale, full_matrices=False)
+    U, sigma, V = np.linalg.svd(matrices(J) / scale, full_matrices=False)
     others = np.stack([np.prod(np.delete(sigma, i, axis=-1), axis=-1) for i in range(3)], axis=-1)
     others = np.where(sigma[..., -1:] > LOST * sigma[..., :1], others, 0.0)
     return np.einsum("...im,...m,...mk,...ikj->...j", U, others, V / scale, change)

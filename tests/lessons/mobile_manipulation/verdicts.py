@@ -674,4 +674,4 @@ def step_takes_no_more_multiplications(most: int):
     assert _Counted.count <= most < 1000
 
 
-MULTIPLICATIONS, TOO_FEW = 150, 15
+MULTIPLICATIONS, TOO_FEW = 111, 110

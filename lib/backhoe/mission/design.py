@@ -152,10 +152,10 @@ class TrenchDesign(Design):
             value that is not finite.
     """
 
-    start: tuple[float, float]
+    start: tuple[float, float] = (4.2, 0.0)
     heading: float = 0.0
     length: float = 4.0
-    width: float = 0.8
+    width: float = 0.9
     depth: float = 0.4
     fall: float = 0.0
 

@@ -17,17 +17,18 @@ from backhoe import simulation
 from backhoe.basics.inputs import choice, instance, positive, whole
 from backhoe.machine import BACKHOE, Machine
 from backhoe.mission.calls import ESTIMATORS, given_parts
-from backhoe.mission.design import Design, SlopeDesign
+from backhoe.mission.design import Design, SlopeDesign, TrenchDesign
 from backhoe.mission.parts import GRADE_PARTS
 from backhoe.mission.passes import Stroke, edge_posture, slope_strokes
 from backhoe.mission.records import Record
 from backhoe.mission.tracing import CARRYING, FORWARD, PERIOD, Tracer, pitch_of
-from backhoe.simulation.scene import GRADING, Scene
+from backhoe.mission.trench import trench_strokes
+from backhoe.simulation.scene import GRADING, TRENCHING, Scene
 from backhoe.simulation.soil import SoilParameters, soil_of
 from backhoe.simulation.standing import Least
 from backhoe.whole_body import hand
 
-JOBS = ("slope",)
+JOBS = ("slope", "trench")
 
 FIXES = 0.5
 """Time between two positions by a total station [s]."""
@@ -89,7 +90,7 @@ class GradingRun(Record):
     soil_lost: float
     excess: NDArray
     given_up: int
-    SHOWN = ("mission.grade", "Grade a slope", "3D replay of the backhoe grading a slope")
+    SHOWN = ("mission.grade", "Grade", "3D replay of the backhoe grading soil on its tracks")
 
     @property
     def violations(self) -> float:
@@ -104,7 +105,8 @@ def grade(
     odometry: Callable | str | None = None,
     localisation: Callable | str | None = "library",
     fixes: float | None = FIXES,
-    scene: Scene = GRADING,
+    scene: Scene | None = None,
+    design: TrenchDesign | None = None,
     soil: str | SoilParameters | None = None,
     machine: Machine = BACKHOE,
     backend: str = "auto",
@@ -113,16 +115,17 @@ def grade(
     record: bool = False,
     **unknown: object,
 ) -> GradingRun:
-    """Grade a slope with the library's parts, or with yours in their place.
+    """Grade a slope, or dig a trench, with the library's parts or with yours in their place.
 
     Args:
-        job: "slope", the scene's bank.
+        job: "slope", the scene's bank, or "trench", a flat bottom in level ground.
         whole_body, odometry, localisation: your parts; `GRADE_PARTS` gives the call of each. What
             tells the machine where it is may be "library"; of both the localisation counts, and
             None for both is the truth.
         fixes: time between two positions by a total station, for the localisation [s]; None for
             none.
-        scene: with a bank.
+        scene: with a bank for a slope; default `scene.GRADING` or `scene.TRENCHING`.
+        design: of the trench; default `TrenchDesign()`.
         soil: as in `simulation.open_world`.
         machine, backend: likewise.
         pose: where the machine starts, x, y, heading, shape (3,) [m, m, rad]; default the origin.
@@ -146,8 +149,17 @@ def grade(
     fixes = None if fixes is None else positive(fixes, "fixes", "s")
     seed = whole(seed, "seed", least=0)
     soil = soil_of("sandy loam" if soil is None else soil)
-    design = _slope(instance(scene, "scene", Scene), soil)
-    strokes = slope_strokes(design, PERIOD, machine)
+    scene = {"slope": GRADING, "trench": TRENCHING}[job] if scene is None else scene
+    instance(scene, "scene", Scene)
+    if job == "trench":
+        design = TrenchDesign() if design is None else instance(design, "design", TrenchDesign)
+        strokes = trench_strokes(design, machine, PERIOD)
+    elif design is not None:
+        raise ValueError("the design of a slope is its scene's bank: leave design out")
+    else:
+        design = _slope(scene, soil)
+        strokes = slope_strokes(design, PERIOD, machine)
+    _check_map(strokes, scene)
     start = edge_posture(CARRYING, machine)
     start[0] = FORWARD
     options = {"backend": backend, "scene": scene, "seed": seed, "q": start, "soil": soil}
@@ -182,6 +194,17 @@ def _slope(scene: Scene, soil: SoilParameters) -> SlopeDesign:
     return design
 
 
+def _check_map(strokes: list[Stroke], scene: Scene) -> None:
+    goals = np.concatenate([stroke.goals[:, :2] for stroke in strokes])
+    low = np.array(scene.corner)
+    high = low + scene.cell * (np.array([scene.columns, scene.rows]) - 1)
+    if (goals < low + 1.0).any() or (goals > high - 1.0).any():
+        raise ValueError(
+            f"the work must lie 1 m or more within the scene's map, x, y {low} to {high} m, got "
+            f"{goals.min(axis=0).round(2)} to {goals.max(axis=0).round(2)} m"
+        )
+
+
 def _check_start(pose: NDArray, stand: NDArray, room: float = 1.0) -> None:
     c, s = np.cos(stand[2]), np.sin(stand[2])
     ahead, aside = stand[:2] - pose[:2]
@@ -190,7 +213,7 @@ def _check_start(pose: NDArray, stand: NDArray, room: float = 1.0) -> None:
     if ahead < room or turned > np.pi / 4:
         raise ValueError(
             f"pose must be {room:g} m or more before where the first pass begins, {stand.round(2)},"
-            f" and face the bank within 45 deg, got {pose.round(2)}"
+            f" and face the work within 45 deg, got {pose.round(2)}"
         )
 
 

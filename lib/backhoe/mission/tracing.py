@@ -242,13 +242,14 @@ class Tracer:
             (dx * c + dy * s, dy * c - dx * s)
             for dx, dy in (start - stand[:2], self.q[:2] - stand[:2])
         )
-        if x > -HERE:
+        sense = -1.0 if x0 > 0.0 else 1.0
+        if sense * x > -HERE:
             return None
         part = min(max(1 - x / x0, 0.0), 1.0)
         way, slope = y0 * (1 - part**2 * (3 - 2 * part)), y0 * 6 * part * (1 - part) / x0
-        wanted = atan(slope) + min(max(way - y, -0.3), 0.3)
+        wanted = atan(slope) + sense * min(max(way - y, -0.3), 0.3)
         omega = min(max(2.0 * (wanted - self.q[2] + stand[2]), -BENDING), BENDING)
-        return min(TRAVEL, 0.05 - 0.5 * x), omega
+        return sense * min(TRAVEL, 0.05 - 0.5 * sense * x), omega
 
 
 def pitch_of(q: NDArray, machine: Machine) -> NDArray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import inspect
 import pkgutil
 import re
 from functools import cache
@@ -26,7 +25,7 @@ from backhoe.perception import (
     terrain_map,
 )
 from backhoe.view import shapes
-from fuzz import assert_answers_or_names, assert_complete, little_memory, public
+from fuzz import assert_answers_or_names, assert_complete, little_memory, method, public
 
 RNG = np.random.default_rng(0)
 LENS = camera.Pinhole.of_view((40, 30), 1.0)
@@ -261,13 +260,7 @@ def calls(folder) -> dict[str, tuple]:
         (tree, "save", {"path": folder / "new.ot"}),
     ]
     for make, name, given in methods:
-        kind = type(make())
-
-        def call(_make=make, _name=name, **given):
-            return getattr(_make(), _name)(**given)
-
-        call.__signature__ = inspect.signature(getattr(kind, name))
-        found[f"{kind.__name__}.{name}"] = call, given
+        found[f"{type(make()).__name__}.{name}"] = method(make, name), given
     return found
 
 

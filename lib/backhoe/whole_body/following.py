@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import function, numbers, positive
+from backhoe.basics.inputs import function, numbers, positive, whole
 from backhoe.whole_body.linear import minimum_norm
 from backhoe.whole_body.manipulability import manipulability
 from backhoe.whole_body.plant import lags
@@ -23,6 +23,9 @@ from backhoe.whole_body.tracking import wanted_velocity
 
 FASTEST = 3.0
 """A path on which the hand must go faster jumps [m/s]."""
+
+MOST = 10_000_000
+"""Steps that a log may have."""
 
 _CALL = "path(times) -> places"
 _SOLVE = "solve(J, b, preferred) -> v"
@@ -99,7 +102,7 @@ def follow(
     function(path, "path", _CALL), function(solve, "solve", _SOLVE)
     lag = lags(lag, robot)
     duration = positive(path.duration if duration is None else duration, "duration", "s")
-    count = max(round(duration / dt), 1)
+    count = whole(max(round(duration / dt), 1), "duration over dt", most=MOST)
     goal = goals(path, dt, count, fastest)
     prefer = _still(robot) if preferred is None else function(preferred, "preferred", _PREFERRED)
     rate = np.gradient(goal, dt, axis=0)

@@ -22,7 +22,7 @@ import numpy as np
 import quadprog
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import number, numbers, positive
+from backhoe.basics.inputs import number, numbers, positive, real_numbers
 from backhoe.whole_body.linear import DEPENDENT, engine, plain
 from backhoe.whole_body.loops import WITHIN
 
@@ -209,7 +209,8 @@ def _checked(J, b, lower, upper, v0, weights, A, c) -> tuple[NDArray, ...]:
     if (weights * WITHIN <= 1).any():
         raise ValueError(f"weights must be positive, got {weights.min()}")
     A = np.zeros((0, n)) if A is None else A
-    if np.shape(A) != (0, n):
+    A = real_numbers(A, "A")
+    if A.shape != (0, n):
         A = numbers(A, "A", ("k", n), meaning="one row a limit", within=WITHIN)
     c = np.zeros(0) if c is None and not len(A) else c
     c = numbers(c, "c", (len(A),), meaning="one value a row of A", within=WITHIN)

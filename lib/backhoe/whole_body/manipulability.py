@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import choice, numbers, positive, whole
 from backhoe.whole_body.linear import matrices, scale_of
-from backhoe.whole_body.robots import BACKHOE, Robot, jacobian, posture
+from backhoe.whole_body.robots import BACKHOE, Robot, jacobian, joints_of, posture
 
 PARTS = ("arm", "whole")
 LOST = 1e-13
@@ -108,7 +108,7 @@ def characteristic_length(robot: Robot = BACKHOE, q: ArrayLike | None = None) ->
         ValueError: as for `hand`.
     """
     if q is None:
-        angles = np.array(list(product(np.arange(4) * np.pi / 2, repeat=robot.joints)))
+        angles = np.array(list(product(np.arange(4) * np.pi / 2, repeat=joints_of(robot))))
         q = np.concatenate([np.zeros((len(angles), 3)), angles], axis=-1)
     levers = np.linalg.norm(jacobian(q, robot)[..., 1:], axis=-2)
     return positive(float(np.sqrt((levers**2).mean())), "characteristic length", "m")
@@ -131,7 +131,7 @@ def length_weights(robot: Robot = BACKHOE, length: float | None = None) -> NDArr
         ValueError: length is not positive.
     """
     L = characteristic_length(robot) if length is None else positive(length, "length", "m")
-    return np.array([1.0] + (1 + robot.joints) * [L * L])
+    return np.array([1.0] + (1 + joints_of(robot)) * [L * L])
 
 
 class Ellipsoid(NamedTuple):

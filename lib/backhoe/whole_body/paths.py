@@ -109,7 +109,7 @@ def sine_path(
         ValueError: as for `HandPath`.
     """
     ahead, left = _axes(heading)
-    waves = positive(waves, "waves")
+    waves = number(waves, "waves", least=1e-3)
     drift = ahead * (positive(length, "length", "m") / waves)
     rise = np.array([0.0, 0.0, number(upwards, "upwards", "m")])
     swing = number(sideways, "sideways", "m") * left + rise

@@ -19,6 +19,9 @@ from backhoe.whole_body.robots import BACKHOE, Robot, posture
 _AT, _WEIGHT = np.polynomial.legendre.leggauss(6)
 _AT, _WEIGHT = (_AT + 1) / 2, _WEIGHT / 2
 
+LONGEST = 1e4
+"""What a lag may be at most [s]: longer ones would let the robot coast out of all numbers."""
+
 _TURN, _SHARE = 0.5, 1.0
 """Largest turn [rad] and largest share of the platform's lag in one piece of Gauss's rule."""
 
@@ -109,9 +112,9 @@ def lags(lag: ArrayLike, robot: Robot) -> NDArray:
     """Time constants checked, one a velocity of the robot, shape (2 + joints,) [s].
 
     Raises:
-        ValueError: neither one number nor one a velocity, or one is negative or not finite.
+        ValueError: neither one number nor one a velocity, or one negative, too long, not finite.
     """
-    lag = numbers(lag, "lag")
+    lag = numbers(lag, "lag", within=LONGEST)
     if lag.ndim == 0:
         lag = np.full(2 + robot.joints, lag)
     lag = numbers(lag, "lag", (2 + robot.joints,), meaning="one time, or one a velocity")

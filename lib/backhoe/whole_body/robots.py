@@ -57,16 +57,16 @@ class SlidesRobot:
 
     def reach(self, q_arm: NDArray) -> NDArray:
         """Hand in the platform's frame, (..., 3) [m]; q1 turns, q2 and q3 lift, (..., 3) [rad]."""
-        q1, q2, q3 = np.moveaxis(q_arm, -1, 0)
+        q1, q2, q3 = np.moveaxis(_angles(q_arm), -1, 0)
         r, z = self._side_view(q2, q2 + q3)
         return np.stack([self.a + r * np.cos(q1), r * np.sin(q1), z], axis=-1)
 
     def reach_jacobian(self, q_arm: NDArray) -> NDArray:
         """Its derivative by q1, q2, q3, shape (..., 3, 3) [m/rad]."""
-        q1, q2, q3 = np.moveaxis(q_arm, -1, 0)
+        q1, q2, q3 = np.moveaxis(_angles(q_arm), -1, 0)
         cosine, sine, q23 = np.cos(q1), np.sin(q1), q2 + q3
         r, z = self._side_view(q2, q23)
-        J = np.empty((*q_arm.shape[:-1], 3, 3))
+        J = np.empty((*q1.shape, 3, 3))
         J[..., :, 0] = np.stack([-r * sine, r * cosine, np.zeros_like(r)], axis=-1)
         hinges = ((0.0, self.h), (self.l2 * np.cos(q2), self.h + self.l2 * np.sin(q2)))
         for column, (x, height) in enumerate(hinges, start=1):
@@ -76,6 +76,7 @@ class SlidesRobot:
 
     def axes(self, q_arm: NDArray) -> NDArray:
         """Axes of the joints, shape (..., 3, 3) [1]: up, then twice to the right of the arm."""
+        q_arm = _angles(q_arm)
         axes = np.zeros((*q_arm.shape[:-1], 3, 3))
         axes[..., 2, 0] = 1.0
         axes[..., 0, 1:] = np.sin(q_arm[..., :1])
@@ -86,6 +87,10 @@ class SlidesRobot:
         """Distance of the hand from the shoulder's axis, and its height [m]."""
         r = self.l2 * np.cos(q2) + self.l3 * np.cos(q23)
         return r, self.h + self.l2 * np.sin(q2) + self.l3 * np.sin(q23)
+
+
+def _angles(q_arm: ArrayLike) -> NDArray:
+    return numbers(q_arm, "q_arm", (..., 3), meaning="joints")
 
 
 @dataclass(frozen=True)
@@ -183,8 +188,18 @@ def posture(q: ArrayLike, robot: Robot) -> NDArray:
         TypeError: robot is none.
         ValueError: its joints are not 1 or more, another length, or a value is not finite.
     """
-    if isinstance(robot, type) or not hasattr(robot, "reach_jacobian"):
-        raise TypeError(f"robot must be SLIDES, BACKHOE or like them, got {short(robot)}")
-    whole(robot.joints, "joints of the robot", least=1)
+    joints_of(robot)
     meaning = f"values: x, y, theta and {robot.joints} joints"
     return numbers(q, "q", (..., 3 + robot.joints), meaning=meaning)
+
+
+def joints_of(robot: Robot) -> int:
+    """How many joints it has.
+
+    Raises:
+        TypeError: robot is none.
+        ValueError: no whole number of 1 or more.
+    """
+    if isinstance(robot, type) or not hasattr(robot, "reach_jacobian"):
+        raise TypeError(f"robot must be SLIDES, BACKHOE or like them, got {short(robot)}")
+    return whole(robot.joints, "joints of the robot", least=1)

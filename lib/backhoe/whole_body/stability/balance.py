@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm.dynamics.postures import posture
 from backhoe.arm.dynamics.terms import Arm, Vectors, arm_of
 from backhoe.arm.kinematics.forward import joint_vector, leading_shape
-from backhoe.basics.inputs import numbers
+from backhoe.basics.inputs import instance, numbers
 from backhoe.machine import BACKHOE, Machine
 from backhoe.whole_body.stability.polygon import EDGES, distances, support_polygon
 from backhoe.whole_body.stability.terms import (
@@ -23,6 +23,8 @@ from backhoe.whole_body.stability.terms import (
 )
 
 STILL = np.zeros(4)
+FASTEST = 1e6
+"""Rates above it are refused, since their squares may have no number [rad/s]."""
 
 
 class Margin(NamedTuple):
@@ -149,7 +151,8 @@ def zero_moment_point(
             tracks slip, or a soil that lifts the machine off the ground.
     """
     q, dq, ddq = joint_vector(q), joint_vector(dq, "dq"), joint_vector(ddq, "ddq")
-    load, omega = _load(load), numbers(yaw_rate, "yaw_rate")
+    load, omega = _load(load), numbers(yaw_rate, "yaw_rate", within=FASTEST)
+    numbers(dq, "dq", within=FASTEST)
     meaning = "ahead, to the left [m/s^2] and of the yaw [rad/s^2]"
     moved = numbers(acceleration, "acceleration", (..., 3), meaning=meaning)
     soil = numbers(soil, "soil", (..., 4), meaning="force [N] and moment [N m] of the soil")
@@ -213,9 +216,11 @@ def gravity_on_slope(
     Raises:
         ValueError: a value is not finite, a slope is negative, or so steep that the tracks slip.
     """
-    slope, uphill = np.broadcast_arrays(numbers(slope, "slope"), numbers(uphill, "uphill"))
+    slope, uphill = numbers(slope, "slope"), numbers(uphill, "uphill")
+    leading_shape(slope[..., None], uphill[..., None])
+    slope, uphill = np.broadcast_arrays(slope, uphill)
     c, s = np.cos(uphill), np.sin(uphill)
-    tracks = machine.tracks
+    tracks = instance(machine, "machine", Machine).tracks
     grip = 1 / np.hypot(c / tracks.friction_longitudinal, s / tracks.friction_lateral)
     excess = np.maximum(slope - np.arctan(grip), -slope)
     if (excess > 0).any():
@@ -230,7 +235,7 @@ def gravity_on_slope(
 
 def stand(q: NDArray, load: NDArray, machine: Machine) -> Stance:
     """The stance of checked joint angles (..., 4) [rad] and load (...) [kg]."""
-    arm = arm_of(machine)
+    arm = arm_of(instance(machine, "machine", Machine))
     arm = arm._replace(m_bu=arm.m_bu + load)
     v = posture(arm, np.moveaxis(q, -1, 0), np.cos, np.sin)
     heading = q[..., 0] + np.pi / 2

@@ -16,7 +16,7 @@ from backhoe.arm import kinematics
 from backhoe.arm.dynamics.terms import gravity_torques
 from backhoe.arm.kinematics.forward import joint_vector
 from backhoe.basics.angles import wrap
-from backhoe.basics.inputs import numbers
+from backhoe.basics.inputs import instance, numbers
 from backhoe.machine import BACKHOE, Machine
 from backhoe.whole_body.stability.balance import (
     Stance,
@@ -152,6 +152,7 @@ def lifting_chart(radius: ArrayLike, height: ArrayLike, machine: Machine = BACKH
     Raises:
         ValueError: radius or height is no list of finite numbers.
     """
+    instance(machine, "machine", Machine)
     radius = numbers(radius, "radius", ("m",), meaning="radii from the swing axis [m]")
     height = numbers(height, "height", ("n",), meaning="heights above the ground [m]")
     shape = len(height), len(radius)

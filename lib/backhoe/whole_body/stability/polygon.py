@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import numbers
+from backhoe.basics.inputs import instance, numbers
 from backhoe.machine import BACKHOE, Machine
 
 EDGES = ("front", "left", "rear", "right")
@@ -27,7 +27,7 @@ def support_polygon(machine: Machine = BACKHOE) -> NDArray:
         x, y in the vehicle's axes, shape (4, 2) [m]; edge k runs from corner k to the next one and
         is `EDGES[k]`.
     """
-    tracks = machine.tracks
+    tracks = instance(machine, "machine", Machine).tracks
     x, y = tracks.length / 2, (tracks.gauge + tracks.shoe_width) / 2
     return np.array([[x, -y], [x, y], [-x, y], [-x, -y]])
 

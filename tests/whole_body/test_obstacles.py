@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 from backhoe.whole_body import (
     BACKHOE,
     SLIDES,
+    SlidesRobot,
     clearance,
     hand,
     jacobian,
@@ -107,18 +108,22 @@ def test_several_obstacles_add_up_and_many_postures_go_at_once(rng):
     assert_allclose(found[2, 1], steer_clear(q[2, 1], posts, **MEND), atol=1e-14)
 
 
-def passing(starts, avoid, T=0.05, steps=300):
-    """Hands go straight at 0.2 m/s, most of them over the post: what distance is left at least."""
-    q = np.array([[0, y, heading, *POSTURE] for y, heading in starts])
+def passing(starts, avoid, robot=SLIDES, k=1.0, speed=0.2, steps=300):
+    """Hands of robots k times as large go straight, most of them over the post.
+
+    What distance is left at least, over k.
+    """
+    q, T = np.array([[0, k * y, heading, *POSTURE] for y, heading in starts]), 0.01 / speed
     way = np.stack([np.cos(q[:, 2]), np.sin(q[:, 2]), 0 * q[:, 2]], axis=-1)
-    goal, on, least = hand(q, SLIDES), 0.2 * T * way, np.full(len(q), np.inf)
+    goal, on, least = hand(q, robot), 0.01 * k * way, np.full(len(q), np.inf)
     for _ in range(steps):
-        J, b = jacobian(q, SLIDES), wanted_velocity(hand(q, SLIDES), goal, goal + on, 0.3, T)
-        v = minimum_norm(J, b, to_posture(q, POSTURE, 0.3, SLIDES) + avoid(q))
+        J, b = jacobian(q, robot), wanted_velocity(hand(q, robot), goal, goal + on, 0.3, T)
+        v = minimum_norm(J, b, to_posture(q, POSTURE, 1.5 * speed, robot) + avoid(q))
         assert_allclose((J @ v[..., None])[..., 0], b, atol=1e-9)
         q, goal = drive(q, v, T), goal + on
-        assert np.abs(goal - hand(q, SLIDES)).max() < 3e-3
-        least = np.minimum(least, clearance(q, POST[None], size=0.3, robot=SLIDES).distance[:, 0])
+        assert np.abs(goal - hand(q, robot)).max() < 3e-3 * k
+        there = clearance(q, k * POST[None], size=0.3 * k, robot=robot)
+        least = np.minimum(least, there.distance[:, 0] / k)
     return least
 
 
@@ -135,8 +140,20 @@ def printed(q, k_u, k_omega, r=1.0):
 STARTS = [(0, 0), (1e-9, 0), (-1e-9, 0), *np.random.default_rng(3).uniform(-0.2, 0.2, (60, 2))]
 
 
-def test_the_platform_gets_past_a_post_while_the_hand_stays_on_its_way():
-    assert (passing(STARTS, lambda q: steer_clear(q, POST[None], **MEND)) > 0.02).all()
+@pytest.mark.parametrize("speed", [0.1, 0.4])
+@pytest.mark.parametrize(
+    ("robot", "k"),
+    [(SLIDES, 1.0), (SlidesRobot(0.1, 0.3, 0.4, 0.3), 1.2), (SlidesRobot(0.4, 0.8, 0.9, 0.7), 2.6)],
+)
+def test_platforms_get_past_a_post_while_their_hands_stay_on_their_way(robot, k, speed):
+    for within in (0.5 * k, 0.9 * k):
+        gains = {"brake": speed * k, "turn": 15 * speed * k / within}
+
+        def avoid(q, within=within, gains=gains):
+            post = k * POST[None]
+            return steer_clear(q, post, within=within, size=0.3 * k, robot=robot, **gains)
+
+        assert (passing(STARTS, avoid, robot, k, speed) > 0.02).all()
 
 
 @pytest.mark.parametrize("signs", [(1, 1), (-1, 1), (1, -1), (-1, -1)], ids=str)
@@ -145,19 +162,51 @@ def test_with_the_printed_terms_and_any_signs_it_runs_over_one_dead_ahead(signs)
     assert least[0] < -0.25 and (least < 0).mean() > (0.9 if signs[1] > 0 else 0.3)
 
 
-def test_a_limit_keeps_the_distance_and_slows_the_hand_instead():
-    q, T, gain, top = np.array([0, 0, 0, 0, 1.2, -1.6]), 0.05, 2.0, np.full(5, 2.0)
-    shares = []
-    for _ in range(200):
+def along_with_limits(wish, steps=300, T=0.05, speed=0.2):
+    """The hand goes straight over the post, as far as the distance to it allows: s of each step."""
+    q, top, shares = np.r_[0, 0, 0, POSTURE], np.full(5, 2.0), []
+    start = hand(q, SLIDES)
+    for _ in range(steps):
         distance, change = clearance(q, POST[None], size=0.3, robot=SLIDES)
-        rows = {"A": -change, "c": gain * distance}
-        b = np.array([0.2, 0, 0])
-        v, s = limited_velocity(jacobian(q, SLIDES), b, -top, top, **rows)
-        assert_allclose(jacobian(q, SLIDES) @ v, s * b, atol=1e-9)
+        J, gone = jacobian(q, SLIDES), np.array([speed * T * sum(shares), 0, 0])
+        b = wanted_velocity(hand(q, SLIDES), start + gone, start + gone + [speed * T, 0, 0], 0.3, T)
+        v, s = limited_velocity(J, b, -top, top, preferred=wish(q), A=-change, c=2 * distance)
+        assert_allclose(J @ v, s * b, atol=1e-9)
         q = drive(q, v, T)
         assert clearance(q, POST[None], size=0.3, robot=SLIDES).distance > 0
         shares.append(s)
-    assert shares[0] == pytest.approx(1, abs=1e-3)
+    return np.array(shares), q
+
+
+def home(q):
+    return to_posture(q, POSTURE, 0.3, SLIDES)
+
+
+def test_a_limit_keeps_the_distance_and_holds_the_hand_instead():
+    shares, q = along_with_limits(home)
+    assert shares[0] == pytest.approx(1, abs=1e-3) and shares[-1] < 0.05
+    assert q[0] == pytest.approx(1.2, abs=1e-3)
+
+
+def test_limit_and_wish_together_get_past_without_a_stop():
+    shares, q = along_with_limits(lambda q: home(q) + steer_clear(q, POST[None], **MEND))
+    assert (shares > 0.99).all() and q[0] > 2.5
+
+
+def test_a_limit_keeps_the_arm_off_a_ball():
+    q = np.array([0, 0, 0, 0.4, 0.9, -0.9])
+    ball, top = elbow(q, SLIDES) - np.array([0, 0, 0.2]), np.full(5, 2.0)
+    least = {True: np.inf, False: np.inf}
+    for limited in least:
+        at = q
+        for _ in range(150):
+            distance, change = clearance(at, ball[None], size=0.1, robot=SLIDES)
+            rows = {"A": -change, "c": 2 * distance} if limited else {}
+            down = np.array([0, 0, -0.1])
+            at = drive(at, limited_velocity(jacobian(at, SLIDES), down, -top, top, **rows).v, 0.02)
+            now = clearance(at, ball[None], size=0.1, robot=SLIDES).distance.min()
+            least[limited] = min(least[limited], now)
+    assert least[False] < -0.02 and least[True] > 0
 
 
 def elbow(q, robot):

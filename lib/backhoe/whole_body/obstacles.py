@@ -48,7 +48,8 @@ def steer_clear(
         q: posture as for `hand`, shape (..., 3 + joints) [m, m, rad, ...].
         obstacles: where they stand, shape (k, 2) [m].
         within: distance from which they matter [m].
-        brake, turn: at contact, 0 or more [m/s], [rad/s].
+        brake, turn: at contact, 0 or more [m/s], [rad/s]. For robots like the slides', as fast a
+            brake as the hand and a turn of 15 times that over `within` lead past a post dead ahead.
         size: radius of the platform plus that of an obstacle [m].
         forwards: False for a platform that backs up.
         robot: as for `hand`.
@@ -82,6 +83,7 @@ def keep_clear(
     within: float,
     speed: float,
     size: float = 0.0,
+    length: float | None = None,
     robot: Robot = BACKHOE,
 ) -> NDArray:
     """Arm away from balls: each of its points is pushed straight off, the hand's own task apart.
@@ -91,10 +93,10 @@ def keep_clear(
         obstacles: centres, shape (k, 3) [m].
         speed: of the push at contact, 0 or more [m/s].
         size: radius of the arm plus that of a ball [m].
+        length: as for `to_manipulability` [m].
 
     Returns:
-        v0, shape (..., 2 + joints) [m/s, rad/s]: down the gradient, lengths as `length_weights` has
-        them.
+        v0, shape (..., 2 + joints) [m/s, rad/s], each distance up its gradient.
 
     Raises:
         ValueError: as for `steer_clear`.
@@ -103,7 +105,7 @@ def keep_clear(
     distance, change = clearance(q, balls, size=size, robot=robot)
     near = np.clip(1 - distance / positive(within, "within", "m"), 0, 1)
     push = not_negative(speed, "speed", "m/s") * np.einsum("...p,...pn->...n", near, change)
-    return push / length_weights(robot)
+    return push / length_weights(robot, length)
 
 
 def clearance(

@@ -40,7 +40,11 @@ def to_posture(q: ArrayLike, wanted: ArrayLike, gain: ArrayLike, robot: Robot = 
 
 
 def to_manipulability(
-    q: ArrayLike, gain: float, robot: Robot = BACKHOE, part: str = "arm"
+    q: ArrayLike,
+    gain: float,
+    robot: Robot = BACKHOE,
+    part: str = "arm",
+    length: float | None = None,
 ) -> NDArray:
     """Joints the way in which the hand comes to move most easily: gain times the gradient of w.
 
@@ -50,6 +54,8 @@ def to_manipulability(
         q, robot: as for `hand`.
         gain: 0 or more [rad^2/s].
         part: as for `manipulability_gradient`; "whole" is blind to the arm.
+        length: as for `length_weights` [m]; found anew each time if None, which takes longer than
+            the rest.
 
     Returns:
         v0, shape (..., 2 + joints) [m/s, rad/s]; 0 on a singularity, which `to_posture` leaves.
@@ -57,7 +63,7 @@ def to_manipulability(
     Raises:
         ValueError: as for `manipulability_gradient`, or a gain below 0.
     """
-    slope = manipulability_gradient(q, robot, part, length_weights(robot))
+    slope = manipulability_gradient(q, robot, part, length_weights(robot, length))
     return _arm(not_negative(gain, "gain", "rad^2/s") * slope)
 
 

@@ -1,17 +1,22 @@
 """What lesson 12a says in strong words, and in numbers."""
 
 from functools import cache
+from importlib.util import find_spec
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from backhoe import simulation
+from backhoe.simulation.whole_body_plant import WholeBodyPlant
 from backhoe.whole_body import (
+    BACKHOE,
     SLIDES,
     KinematicPlant,
     SlidesRobot,
     circle_path,
+    eight_path,
     follow,
     hand,
     jacobian,
@@ -134,6 +139,39 @@ def test_steering_the_place_of_rest_takes_swing_and_trail_away():
     assert overshoot(0.1, 0.2, 0.2) < 1e-4
     assert left("ring", 0.1, 0.9, 0.2, 0.2) < 0.1 * left("ring", 0.1, 0.9, 0.2)
     assert left("ring", 0.1, 0.1, 0.2, 0.2) < 0.5 * left("ring", 0.1, 0.1, 0.2)
+
+
+def largest_error(plant, lag=0.0):
+    """Of the machine's tip along the lesson's eight [m]."""
+    posture, weights = np.array([-np.pi / 2, 0.4, 0.0, 0.7]), [3.0, 3, 1, 1, 1, 1]
+
+    def pull(q):
+        return np.array([0.0, 0.0, *(0.3 * (posture - q[3:]))])
+
+    def solve(J, b, v0):
+        return minimum_norm(J, b, v0, weights=weights)
+
+    path = eight_path(hand([0.0, 0.0, 0.0, *posture]), 20, length=6, width=3, height=1.5)
+    if plant is None:
+        plant = KinematicPlant(BACKHOE, [0.0, 0.0, 0.0, *posture], dt=0.1)
+    else:
+        plant.world.reset(posture)
+        plant.wake()
+    return follow(plant, path, W=0.5, preferred=pull, solve=solve, lag=lag).error.max()
+
+
+def test_the_machines_drives_double_the_error_and_their_lag_explains_most_of_it():
+    ideal, found = largest_error(None), {}
+    backends = ["analytic"] + ["pybullet"] * (find_spec("pybullet") is not None)
+    for backend in backends:
+        errors = []
+        for lag in (0.0, [0.1, 0.1, 0, 0, 0, 0]):
+            with simulation.open_world(backend=backend) as world:
+                errors.append(largest_error(WholeBodyPlant(world, dt=0.1), lag))
+        assert errors[0] == pytest.approx(2 * ideal, rel=0.1)
+        assert errors[1] - ideal < 0.2 * (errors[0] - ideal)
+        found[backend] = errors
+    assert_allclose(found["analytic"], found[backends[-1]], atol=2e-4)
 
 
 def test_half_of_the_lag_leaves_a_fifth_of_the_swing():

@@ -43,7 +43,7 @@ def test_speeds_lag_and_are_then_those_told_but_for_a_little_slip():
             model.step(told)
         assert_allclose(plant.v, told, rtol=SLIP)
         # each wanted speed stands for the whole of its step: half a step early
-        assert_allclose(plant.q[3:] - model.q[3:], STEP / 2 * told[2:], rtol=0.1)
+        assert_allclose(plant.q[3:] - model.q[3:], STEP / 2 * told[2:], rtol=0.2)
         assert plant.time == pytest.approx(2.0)
 
 

@@ -11,6 +11,7 @@ from backhoe.machine import BACKHOE, variants
 from backhoe.simulation import engine, servo
 from backhoe.simulation.scene import FLAT
 from backhoe.simulation.whole_body_plant import MOST_ADDED, WholeBodyPlant, belt_speeds
+from backhoe.whole_body import circle_path, eight_path, follow, hand, jacobian, sine_path
 
 BACKENDS = pytest.mark.parametrize("backend", ["pybullet", "analytic"])
 NONE, FREE = np.zeros((2, 4)), np.full(4, np.inf)
@@ -177,3 +178,57 @@ def test_bad_arguments():
             plant.step([np.nan, 0, 0, 0, 0, 0])
     with a_world(base="fixed") as world, pytest.raises(ValueError, match="fixed base"):
         WholeBodyPlant(world)
+
+
+# The hand along a path
+
+READY = np.radians([-80.0, 29.0, -34.0, 34.0])
+AT = hand([0, 0, 0, *READY])
+PATHS = {
+    "sine": sine_path(AT, 8, length=1.6, waves=1, sideways=0.35, upwards=0.2),
+    "circle": circle_path(AT, 8, radius=0.4, tilt=0.4),
+    "eight": eight_path(AT, 8, length=1.0, width=0.5, height=0.25),
+}
+
+
+def followed(path, W, backend="analytic", **options):
+    def keep(q):
+        return np.r_[0, 0, 0.5 * (READY - q[3:])]
+
+    with a_world(backend, q=READY) as world:
+        return follow(WholeBodyPlant(world, **options), path, W=W, preferred=keep)
+
+
+def rms(run):
+    return float(np.sqrt((run.error**2).mean()))
+
+
+@pytest.mark.parametrize("kind", PATHS)
+def test_what_slip_takes_from_a_turn_stays_as_an_error_until_the_belts_make_up_for_it(kind):
+    """A share is missing of each turn: T / (1 - W) times the speed that it takes from the hand."""
+    W = 0.9
+    plain, mended = (followed(PATHS[kind], W, turning=gain) for gain in (0.0, 4.0))
+    lever = np.linalg.norm(jacobian(plain.q)[:-1, :, 1], axis=1)
+    expected = 0.01 / (1 - W) * 0.27 * np.abs(plain.told[:, 1]) * lever
+    assert rms(plain) == pytest.approx(np.sqrt((expected**2).mean()), rel=0.15)
+    assert rms(mended) < 0.5 * rms(plain)
+
+
+@pytest.mark.parametrize("kind", PATHS)
+def test_the_bucket_follows_a_path_to_two_millimetres(kind):
+    run = followed(PATHS[kind], 0.8)
+    assert rms(run) < 1.5e-3
+    assert run.error.max() < 3e-3
+    assert np.abs(np.diff(run.told[100:], axis=0)).max() < 5e-3  # quietly
+
+
+def test_feedback_faster_than_the_drives_shakes_the_machine():
+    """(1 - W) / T of 50 a second, where the joints' drives follow up to 25 rad/s."""
+    run = followed(PATHS["circle"], 0.5)
+    assert rms(run) > 5 * rms(followed(PATHS["circle"], 0.8))
+    assert np.abs(np.diff(run.told[100:], axis=0)).max() > 0.01
+
+
+def test_both_backends_follow_alike():
+    runs = [followed(PATHS["eight"], 0.8, backend) for backend in ("analytic", "pybullet")]
+    assert_allclose(runs[0].q, runs[1].q, atol=1e-6)

@@ -6,7 +6,7 @@ that the machine's sensors say; `design` judges the surface that is left.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import degrees
 
@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe import simulation
-from backhoe.basics.inputs import choice, instance, positive, whole
+from backhoe.basics.inputs import choice, instance, numbers, positive, whole
 from backhoe.machine import BACKHOE, Machine
 from backhoe.mission.calls import ESTIMATORS, given_parts
 from backhoe.mission.design import Design, SlopeDesign, TrenchDesign
 from backhoe.mission.parts import GRADE_PARTS
-from backhoe.mission.passes import Stroke, edge_posture, slope_strokes
+from backhoe.mission.passes import LANES, Stroke, edge_posture, slope_strokes
 from backhoe.mission.records import Record
 from backhoe.mission.tracing import CARRYING, FORWARD, PERIOD, Tracer, pitch_of
 from backhoe.mission.trench import trench_strokes
@@ -33,8 +33,8 @@ JOBS = ("slope", "trench")
 FIXES = 0.5
 """Time between two positions by a total station [s]."""
 
-WIDTH = 2.0
-"""Of the slope that is graded [m]."""
+BORDER = 0.2
+"""At each side of what the bucket passes, where the earth beside it slides down [m]."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -107,6 +107,7 @@ def grade(
     fixes: float | None = FIXES,
     scene: Scene | None = None,
     design: TrenchDesign | None = None,
+    lanes: Sequence[float] = LANES,
     soil: str | SoilParameters | None = None,
     machine: Machine = BACKHOE,
     backend: str = "auto",
@@ -126,6 +127,8 @@ def grade(
             none.
         scene: with a bank for a slope; default `scene.GRADING` or `scene.TRENCHING`.
         design: of the trench; default `TrenchDesign()`.
+        lanes: where the passes lie across the slope, as shares of the bucket's width from its
+            middle line, shape (n,) [1]. What they cover is graded, but for `BORDER` at each side.
         soil: as in `simulation.open_world`.
         machine, backend: likewise.
         pose: where the machine starts, x, y, heading, shape (3,) [m, m, rad]; default the origin.
@@ -157,8 +160,10 @@ def grade(
     elif design is not None:
         raise ValueError("the design of a slope is its scene's bank: leave design out")
     else:
-        design = _slope(scene, soil)
-        strokes = slope_strokes(design, PERIOD, machine)
+        lanes = numbers(lanes, "lanes", ("n",), meaning="shares of the bucket's width")
+        width = (np.ptp(lanes) + 1) * machine.shell.width - 2 * BORDER
+        design = _slope(scene, soil, float(width))
+        strokes = slope_strokes(design, PERIOD, machine, tuple(lanes.tolist()))
     _check_map(strokes, scene)
     start = edge_posture(CARRYING, machine)
     start[0] = FORWARD
@@ -181,11 +186,11 @@ def grade(
         return made()
 
 
-def _slope(scene: Scene, soil: SoilParameters) -> SlopeDesign:
+def _slope(scene: Scene, soil: SoilParameters, width: float) -> SlopeDesign:
     bank = scene.bank
     if bank is None:
         raise ValueError("scene has no bank: give one, as simulation.scene.GRADING has")
-    design = SlopeDesign(bank.foot, bank.direction, bank.ratio, bank.length, WIDTH)
+    design = SlopeDesign(bank.foot, bank.direction, bank.ratio, bank.length, width)
     if design.angle >= soil.repose:
         raise ValueError(
             f"a slope of 1:{bank.ratio:g} ({degrees(design.angle):.0f} deg) does not stand in this "

@@ -114,9 +114,9 @@ SURVEY_PARTS = {
 GRADE_PARTS = {
     "whole_body": Part(
         "whole_body(J, b, preferred, lower, upper) -> v",
-        "velocities u, omega, swing, boom, stick, bucket (6,) [m/s, rad/s] within lower and upper "
-        "(6,), near preferred (6,), so that the edge's x, y, z and pitch get J v along b: J (4, 6), "
-        "b (4,) [m/s, rad/s]",
+        "velocities u, omega, swing, boom, stick, bucket (6,) [m/s, rad/s], within lower and upper "
+        "(6,) and near preferred (6,), that move the edge's x, y, z and pitch along b (4,) "
+        "[m/s, rad/s]: J v is a share of b, J (4, 6)",
         "12",
     ),
     **{name: DRIVE_PARTS[name] for name in ("odometry", "localisation")},

@@ -27,7 +27,7 @@ CURLING = 0.7
 ROUNDED = 0.3
 """Corners of the way are rounded over this time [s]."""
 
-LANES = (-0.5, 0.5, -0.5, 0.5, 0.0)
+LANES = (-0.5, 0.5, 0.5, -0.5, 0.0)
 """Where the passes lie across a slope, as shares of the bucket's width from the middle line [1]:
 half a bucket side by side, and at last down the middle, where the two leave a ridge."""
 
@@ -40,8 +40,9 @@ STAND_OFF = 0.25
 NEAR = 0.5
 """How much further than the nearest that the arm can is the edge at the foot [m]."""
 
-AT_CREST = tuple(map(radians, (-75, -70, -65, -60, -55, -50, -45)))
-"""Pitches for the crest [rad]: the first at which the arm reaches it."""
+AT_CREST = tuple(map(radians, (-75, -70, -65, -60, -55, -50, -45, -80, -85, -90, -95, -100)))
+"""Pitches for the crest [rad]: the first at which the arm reaches it, flatter where it is far,
+steeper where it is near."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,9 +106,9 @@ def slope_strokes(
     uphill = np.array([cos(design.direction), sin(design.direction)])
     strokes = []
     for number, lane in enumerate(lanes, start=1):
-        points = design.point(np.clip(knots[:, 0], 0, run), lane * machine.shell.width)
-        beyond = knots[:, 0] - np.clip(knots[:, 0], 0, run)
-        points[:, :2] += beyond[:, None] * uphill
+        on = np.maximum(knots[:, 0], 0)  # before the foot the ground is level
+        points = design.point(on, lane * machine.shell.width)
+        points[:, :2] += (knots[:, 0] - on)[:, None] * uphill
         points[:, 2] += knots[:, 1]
         stand = np.append(points[0, :2] - (far + machine.base.offset) * uphill, design.direction)
         goals = timed(np.c_[points, knots[:, 2:]], period)

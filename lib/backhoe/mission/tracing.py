@@ -39,7 +39,10 @@ W = 0.95
 CREEP, TURN = 0.25, 0.1
 """Largest speeds of the tracks during a stroke [m/s, rad/s]."""
 
-SMALL = 0.3
+SOFT = 0.4
+"""How fast the tracks may speed up or slow down during a stroke [m/s^2]."""
+
+SMALL = 1.0
 """What (m/s)^2 or (rad/s)^2 away from the preferred velocities cost the library's part beside the
 way that is lost: enough that no speed is bought with turning tracks [1]."""
 
@@ -49,11 +52,14 @@ GENTLE = 0.12
 KEEPING = 1.0, 1.0
 """How fast the tracks regain the reach and the heading they should have [1/s]."""
 
-TRAVEL, BENDING, BRISK = 0.5, 0.3, 0.6
+TRAVEL, BENDING, BRISK = 0.4, 0.4, 0.5
 """Speeds of the tracks between two strokes [m/s, rad/s], and share of the joints' largest [1]."""
 
 HERE = 0.02
 """The tracks have arrived when no more is left [m]."""
+
+JOINING = 1.0
+"""Time in which a stroke joins its planned way from where the edge is [s]."""
 
 PATIENCE = 3.0
 """A stroke that takes so many times as long as planned is given up [1]."""
@@ -64,7 +70,7 @@ FORWARD = -pi / 2
 ASIDE = radians(80)
 """How far the arm swings to empty the bucket [rad]."""
 
-CARRYING = (5.0, 2.3, -pi)
+CARRYING = (4.5, 2.3, -pi)
 """Reach, height [m] and pitch [rad] of the edge of the full bucket over the spoil."""
 
 OPENING = radians(95)
@@ -145,7 +151,7 @@ class Tracer:
             self._rest()
             over = self._posture(CARRYING, stroke.side * ASIDE)
             self._go("empty the bucket", self._move(over))
-            self._go("", self._move(over + [0.0, 0.0, 0.0, OPENING]))
+            self._go("", self._move(over + np.array([0.0, 0.0, 0.0, OPENING])))
             self._go("", (np.zeros(6) for _ in range(round(POURING / PERIOD))))
 
     def keep(self) -> None:
@@ -174,7 +180,8 @@ class Tracer:
 
     def _trace(self, stroke: Stroke) -> Iterator[NDArray]:
         """Velocities that lead the edge along a stroke."""
-        goals, clock, heading = stroke.goals, 0.0, stroke.stand[2]
+        q = self.q
+        goals, clock, heading = _from(hand(q), stroke.goals), 0.0, stroke.stand[2]
         steps, last = np.diff(goals, axis=0), len(goals) - 2
         J, h = np.zeros((4, 6)), np.zeros(4)
         J[3, 3:] = 1.0
@@ -210,8 +217,11 @@ class Tracer:
         return np.minimum(np.maximum(preferred, -self.fastest), self.fastest)
 
     def _bounds(self, q: NDArray) -> tuple[NDArray, NDArray]:
-        """Bounds of the six velocities, so that the joints stay in range too."""
+        """Bounds of the six velocities: joints stay in range, the tracks speed up softly."""
         machine, lower, upper = self.machine, -self.fastest, self.fastest.copy()
+        most = SOFT * PERIOD
+        lower[0] = min(max(lower[0], self._v[0] - most), upper[0])
+        upper[0] = max(min(upper[0], self._v[0] + most), lower[0])
         lower[2:], upper[2:] = joint_bounds(q[3:], machine.lower, machine.upper, upper[2:], PERIOD)
         return lower, upper
 
@@ -247,9 +257,17 @@ class Tracer:
             return None
         part = min(max(1 - x / x0, 0.0), 1.0)
         way, slope = y0 * (1 - part**2 * (3 - 2 * part)), y0 * 6 * part * (1 - part) / x0
-        wanted = atan(slope) + sense * min(max(way - y, -0.3), 0.3)
+        wanted = atan(slope) + sense * min(max(1.5 * (way - y), -0.4), 0.4)
         omega = min(max(2.0 * (wanted - self.q[2] + stand[2]), -BENDING), BENDING)
         return sense * min(TRAVEL, 0.05 - 0.5 * sense * x), omega
+
+
+def _from(start: NDArray, goals: NDArray) -> NDArray:
+    """Goals (n, 5) that begin where the edge is (3,) [m], and join the others smoothly."""
+    part = np.minimum(np.arange(len(goals)) * PERIOD / JOINING, 1.0)
+    eased = goals.copy()
+    eased[:, :3] += np.outer(1 - part**2 * (3 - 2 * part), start - goals[0, :3])
+    return eased
 
 
 def pitch_of(q: NDArray, machine: Machine) -> NDArray:

@@ -187,7 +187,7 @@ LOADING = Scene(
 FLAT = Scene(corner=(-8.0, -8.0), rows=101, columns=101, cell=0.16)
 """Nothing but flat ground."""
 
-GRADING = Scene(corner=(-3.0, -6.8), rows=171, columns=213, cell=0.08, bank=Bank(foot=(5.0, 0.0)))
+GRADING = Scene(corner=(-3.0, -7.2), rows=181, columns=213, cell=0.08, bank=Bank(foot=(5.0, 0.0)))
 """A bank ahead, to be cut to a slope of 1:2, 6 m long; its foot is across the machine's way."""
 
 TRENCHING = Scene(corner=(-6.0, -6.8), rows=171, columns=213, cell=0.08)

@@ -1,0 +1,189 @@
+"""Grading a slope: the surface that is left, its soil, the balance, and what parts may do."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from backhoe import mission, simulation, whole_body
+from backhoe.machine import BACKHOE
+from backhoe.mission import tracing
+from backhoe.mission.design import SlopeDesign
+from backhoe.mission.passes import Stroke, timed
+from backhoe.simulation.scene import FLAT, GRADING, LOADING
+from backhoe.simulation.soil import SOILS
+
+BACKENDS = ("pybullet", "analytic")
+LIMIT = 0.05
+
+
+def surface(run, width=None):
+    design = run.design if width is None else replace(run.design, width=width)
+    errors = design.errors(run.after, run.scene)
+    return errors[np.isfinite(errors)]
+
+
+def share(run):
+    return float(np.mean(np.abs(surface(run)) <= LIMIT))
+
+
+@pytest.fixture(scope="module")
+def graded():
+    """The whole slope, graded by the library on its estimated pose."""
+    return mission.grade()
+
+
+def test_the_slope_is_graded_to_5_cm(graded):
+    assert isinstance(graded.design, SlopeDesign)
+    assert (graded.design.length, graded.design.ratio) == (6.0, 2.0)
+    before = graded.design.errors(graded.before, graded.scene)
+    assert np.nanmean(before) > 0.12
+    assert np.nanmax(before) < 0.26
+    assert share(graded) > 0.95
+    assert abs(surface(graded).mean()) < 0.01
+
+
+def test_all_soil_is_somewhere(graded):
+    cell = graded.scene.cell**2
+    left = graded.bucket_volume + graded.off_map_volume
+    moved = (graded.after - graded.before) * cell
+    assert moved.sum() + left == pytest.approx(0.0, abs=1e-9)
+    assert graded.soil_lost < 1e-9
+    on = graded.design.mask(graded.scene)
+    assert moved[on].sum() < -1.2  # the surplus of the strip
+    aside = np.abs(graded.scene.grid()[1]) > 2.5
+    assert moved[aside].sum() > 1.2  # is where the bucket was emptied
+
+
+def test_the_machine_keeps_its_balance(graded):
+    assert graded.least.margin > 0.15
+    assert graded.margin.min() >= graded.least.margin - 1e-9
+
+
+def test_tracks_and_arm_both_move_and_no_bound_is_passed(graded):
+    for number in range(1, 6):
+        on = (graded.stroke == number) & np.isfinite(graded.goal[:, 0])
+        assert np.ptp(graded.pose[on, 0]) > 2.5  # the tracks creep
+        assert np.ptp(graded.edge[on, 0]) > 6.0  # over more than the arm could alone
+        speeds = np.abs(graded.v[on])
+        fastest = [tracing.CREEP, tracing.TURN, *tracing.GENTLE * BACKHOE.speed_limit]
+        assert (speeds <= np.array(fastest) * (1 + 1e-9)).all()
+        lower, upper = BACKHOE.lower - 0.01, BACKHOE.upper + 0.01
+        assert ((graded.q[on] > lower) & (graded.q[on] < upper)).all()
+        slowed = graded.share[on] < 0.99
+        assert 0.2 < slowed.mean() < 0.95  # limits are felt
+    assert graded.violations == 0
+    assert graded.given_up == 0
+
+
+def test_the_pose_is_the_filters_and_not_the_truth(graded):
+    off = np.hypot(*(graded.estimate - graded.pose)[:, :2].T)
+    assert 0.005 < np.sqrt(np.mean(off**2)) < 0.04
+
+
+def test_the_edge_is_where_its_goal_is_up_to_the_error_of_the_pose(graded):
+    on = np.isfinite(graded.goal[:, 0])
+    late = on & np.roll(on, 100)  # a second after the stroke began
+    height = (graded.edge - graded.goal)[late, 2]
+    assert np.sqrt(np.mean(height**2)) < 0.01
+    assert np.abs((graded.edge - graded.goal)[late, 3]).max() < 0.05
+
+
+def a_stroke(speed_up=1.0):
+    """A metre back and half a metre down, in the air."""
+    knots = np.array([[6.6, 0, 2.0, -1.5, 6.2], [5.6, 0, 1.5, -1.6, 5.8]])
+    goals = timed(knots, tracing.PERIOD)
+    return Stroke("in the air", goals, np.array([0.4, 0.0, 0.0]), 1.0)
+
+
+def trace(part=None, **changes):
+    """The tracer after one stroke in the air, on the truth."""
+    stroke = replace(a_stroke(), **changes)
+    q = np.radians([-90, 20, 10, 30.0])
+    with simulation.open_world(backend="analytic", scene=FLAT, q=q) as world:
+        world.reset(pose=(-0.8, 0.0, 0.0))
+        parts = {} if part is None else {"whole_body": part}
+        tracer = tracing.Tracer(world, parts, None, 0, False)
+        tracer.do([stroke])
+        return tracer
+
+
+def on_its_way(tracer):
+    """Distance of the edge from the straight line of the stroke, after its beginning [m]."""
+    q, goal = (np.array(column) for column in list(zip(*tracer.log, strict=True))[2:5:2])
+    on = np.flatnonzero(np.isfinite(goal[:, 0]))
+    on = on[len(on) // 2 :]
+    edge = whole_body.hand(q[on])
+    line = np.array([1.0, 0.5]) / np.hypot(1.0, 0.5)
+    off = edge[:, [0, 2]] - [6.6, 2.0]
+    return np.abs(off[:, 0] * line[1] - off[:, 1] * line[0])
+
+
+def test_a_slowed_edge_stays_on_its_way_and_takes_its_time():
+    quick = trace()
+
+    def half(J, b, preferred, lower, upper):
+        return 0.5 * tracing.library_part(J, b, preferred, lower, upper)
+
+    slow = trace(half)
+    assert on_its_way(quick).max() < 0.02
+    assert on_its_way(slow).max() < 0.02
+    assert len(slow.excess) > 1.7 * len(quick.excess)
+    assert slow.given_up == 0
+
+
+def test_a_part_that_never_moves_is_given_up_in_the_end():
+    tracer = trace(lambda J, b, preferred, lower, upper: np.zeros(6))
+    assert tracer.given_up == 1
+    assert len(tracer.excess) == round(tracing.PATIENCE * len(a_stroke().goals))
+
+
+def test_what_a_part_asks_beyond_its_bounds_it_does_not_get():
+    seen = []
+
+    def bold(J, b, preferred, lower, upper):
+        seen.append((lower, upper))
+        return 10.0 * whole_body.minimum_norm(J, b, preferred)
+
+    tracer = trace(bold)
+    assert np.mean(np.array(tracer.excess) > 0) > 0.5
+    v, goal = (np.array(c) for c in list(zip(*tracer.log, strict=True))[5:3:-1])
+    asked = np.abs(v[np.isfinite(goal[:, 0])])
+    assert (asked <= tracer.fastest * (1 + 1e-9)).all()
+    lower, upper = np.array(seen).transpose(1, 0, 2)
+    assert (lower <= upper).all()
+    assert (upper <= tracer.fastest + 1e-12).all()
+
+
+SHORT = replace(GRADING, bank=replace(GRADING.bank, length=3.0))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scene": LOADING}, "no bank"),
+        ({"job": "pond"}, "job"),
+        ({"fixes": 0.0}, "fixes"),
+        ({"soil": "dust"}, "soil"),
+        ({"lanes": []}, "lanes"),
+        ({"pose": (4.0, 0.0, 0.0)}, "pose must be 1 m or more before"),
+        ({"pose": (0.0, 0.0, 2.0)}, "face the bank"),
+        ({"scene": replace(GRADING, bank=replace(GRADING.bank, ratio=1.2))}, "does not stand"),
+        ({"scene": replace(GRADING, bank=replace(GRADING.bank, length=8.0))}, "out of reach"),
+        ({"whole_body": lambda *given: np.zeros(5), "scene": SHORT, "lanes": [0]}, "whole_body"),
+    ],
+)
+def test_bad_input_says_what_is_wrong(options, message):
+    with pytest.raises(ValueError, match=message):
+        mission.grade(backend="analytic", **options)
+
+
+def test_an_unknown_part_and_no_function():
+    with pytest.raises(TypeError, match="wholebody"):
+        mission.grade(wholebody=lambda *given: np.zeros(6))
+    with pytest.raises(TypeError, match="whole_body"):
+        mission.grade(whole_body=3)
+
+
+def test_every_soil_that_stands_at_1_in_2_is_taken():
+    assert all(soil.repose > np.arctan(0.5) for soil in SOILS.values())

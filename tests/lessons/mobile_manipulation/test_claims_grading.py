@@ -127,3 +127,37 @@ def test_a_heading_off_by_a_tenth_of_a_degree_moves_an_edge_seven_metres_away_by
     reach = hand(q)[0]
     turned = hand(q + np.radians([0, 0, 0.1, 0, 0, 0, 0]))
     assert 7 * np.linalg.norm(turned - hand(q)) / reach == pytest.approx(0.012, abs=0.001)
+
+
+def test_a_controller_is_judged_by_what_it_keeps():
+    """Exercise 12.8: right answers of other kinds pass; wrong ones of no known kind do not."""
+    from backhoe.lessons.mobile_manipulation.exercises.grading import WHOLE_BODY as EXERCISE
+
+    def verdicts(answer):
+        return {EXERCISE.compare(answer(*case), None, *case) for case in EXERCISE.inputs()}
+
+    def one_factor(J, b, preferred, lower, upper):
+        v = whole_body.minimum_norm(J, b, preferred)
+        return v / max(1.0, np.max(np.where(v > 0, v / upper, v / lower)))
+
+    def late(J, b, preferred, lower, upper):
+        return 0.5 * one_factor(J, b, preferred, lower, upper)
+
+    def quick(J, b, preferred, lower, upper):
+        return 2.0 * one_factor(J, b, preferred, lower, upper)
+
+    def turned(J, b, preferred, lower, upper):
+        return one_factor(J, -b, preferred, lower, upper)
+
+    def bent(J, b, preferred, lower, upper):
+        return one_factor(J, b * [1, 1, 0.9, 1], preferred, lower, upper)
+
+    def programme(J, b, preferred, lower, upper):
+        return whole_body.limited_velocity(J, b, lower, upper, preferred=preferred).v
+
+    assert verdicts(one_factor) == verdicts(programme) == {None}
+    assert any("slower" in str(one) for one in verdicts(late))
+    assert any("outside its bounds" in str(one) for one in verdicts(quick))
+    assert any("against it" in str(one) for one in verdicts(turned))
+    assert any("another direction" in str(one) for one in verdicts(bent))
+    assert verdicts(lambda *case: np.full(6, np.nan)) == verdicts(lambda *case: np.zeros(5))

@@ -118,6 +118,15 @@ def test_metadata_is_in_the_normal_form(notebook, outputs):
         assert not any(one == other is not None for one, other in itertools.pairwise(names))
 
 
+def test_no_formula_has_lost_a_backslash(notebook):
+    r"""\frac, \text, \varepsilon, \right written without r"..." become control characters; of \r
+    a line is left that begins with the rest of its name."""
+    for cell in notebook.cells:
+        assert not re.search(r"[\x00-\x09\x0b-\x1f]", cell.source), cell.source
+        if cell.cell_type == "markdown":
+            assert not re.search(r"^(Vert|vert|ight|ho|mathrm)\b", cell.source, re.MULTILINE)
+
+
 def test_notebook_is_small_enough_to_load_quickly(path):
     assert path.stat().st_size <= 1.5e6
 

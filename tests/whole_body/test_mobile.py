@@ -200,7 +200,7 @@ def test_any_array_of_numbers_will_do(rng):
 
 def test_the_projector_of_a_singular_j_takes_only_what_moves_the_hand(rng):
     for _ in range(20):
-        J, left = nearly_singular(rng, 1e-13)
+        J, _ = nearly_singular(rng, 1e-13)
         N = null_projector(J)
         assert_allclose(np.trace(N), 4, atol=1e-12)
         assert_allclose(J @ N, 0, atol=1e-12)

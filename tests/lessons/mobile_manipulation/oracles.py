@@ -1,15 +1,13 @@
 """What proves the references of the chapter: each oracle says its way in its docstring."""
 
-import numpy as np
-from numpy.testing import assert_allclose
-from scipy.linalg import null_space
-
-from backhoe.whole_body import hand
 from itertools import combinations
 
 import numpy as np
+from numpy.testing import assert_allclose
 from scipy.linalg import null_space
 from scipy.optimize import linprog, nnls
+
+from backhoe.whole_body import hand
 
 # 12a, equations
 

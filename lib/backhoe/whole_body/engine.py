@@ -5,4 +5,6 @@ from __future__ import annotations
 from backhoe.basics.engine import compiled
 from backhoe.whole_body import loops
 
-solve, programme, within = compiled(loops.solve, loops.programme, loops.within)
+solve, _, programme, within = compiled(
+    loops.solve, loops.solve_sized, loops.programme, loops.within
+)

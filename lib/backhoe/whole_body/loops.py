@@ -18,8 +18,15 @@ def solve(J, b, preferred, damping, v, L, y):
     damping (N,); L (m, m) and y (m,) are scratch. Returns the index of the first J whose rows
     depend on each other, or with which v is not finite; -1 if there is none.
     """
-    count, m, n = J.shape
-    for i in range(count):
+    _, m, n = J.shape
+    if m == 3 and n == 6:  # the machine's: sizes that the compiler knows are half as dear
+        return solve_sized(J, b, preferred, damping, v, L, y, 3, 6)
+    return solve_sized(J, b, preferred, damping, v, L, y, m, n)
+
+
+def solve_sized(J, b, preferred, damping, v, L, y, m, n):
+    """`solve` with its m and n."""
+    for i in range(len(J)):
         A, x, least = J[i], v[i], 1.0
         for row in range(m):
             for column in range(row):

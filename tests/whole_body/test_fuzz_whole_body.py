@@ -82,7 +82,9 @@ def calls() -> dict[str, tuple]:
         whole_body.length_weights: {"robot": BACKHOE, "length": 1.0},
         whole_body.ellipsoid: {"J": J, "weights": np.ones(6)},
         whole_body.to_posture: {"q": Q, "wanted": np.zeros(4), "gain": 1.0, "robot": BACKHOE},
-        whole_body.to_manipulability: {"q": Q, "gain": 1.0, "robot": BACKHOE, "part": "arm"},
+        whole_body.to_manipulability: {
+            "q": Q, "gain": 1.0, "robot": BACKHOE, "part": "arm", "length": 2.0
+        },
         whole_body.from_limits: {
             "q": Q, "lowest": LOW, "highest": HIGH, "gain": 1.0, "robot": BACKHOE
         },
@@ -91,7 +93,8 @@ def calls() -> dict[str, tuple]:
             "forwards": True, "robot": BACKHOE,
         },
         whole_body.keep_clear: {
-            "q": Q, "obstacles": BALLS, "within": 2.0, "speed": 1.0, "size": 0.5, "robot": BACKHOE
+            "q": Q, "obstacles": BALLS, "within": 2.0, "speed": 1.0, "size": 0.5, "length": 2.0,
+            "robot": BACKHOE,
         },
         whole_body.clearance: {"q": Q, "obstacles": BALLS, "size": 0.1, "robot": BACKHOE},
         whole_body.KinematicPlant: {

@@ -216,6 +216,13 @@ class TwoJoints:
         return SLIDES.axes(np.insert(q, 2, 0.5, axis=-1))[..., :2]
 
 
+class FlatAxes(SlidesRobot):
+    """Its axes are given as angles by mistake."""
+
+    def axes(self, q):
+        return q
+
+
 def test_a_robot_of_ones_own_with_two_joints_has_a_whole_but_no_arm(rng):
     robot, q = TwoJoints(), rng.uniform(-1, 1, (4, 5))
     steps = 1e-5 * np.eye(5)[3:]
@@ -237,6 +244,10 @@ def test_what_cannot_be_drawn_is_told():
         manipulability(np.eye(3), [1, 0, 1])
     with pytest.raises(ValueError, match="part must be one of arm, whole"):
         manipulability_gradient(np.zeros(7), part="legs")
+    with pytest.raises(ValueError, match="q must have a posture or more"):
+        characteristic_length(SLIDES, np.zeros((0, 6)))
+    with pytest.raises(ValueError, match="axes of the robot"):
+        manipulability_gradient(np.zeros(6), FlatAxes())
     with pytest.raises(ValueError, match="more equations"):
         manipulability_gradient(np.zeros(5), TwoJoints())
     with pytest.raises(ValueError, match="length"):

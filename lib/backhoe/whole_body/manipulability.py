@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import choice, numbers, positive, whole
+from backhoe.basics.inputs import choice, number, numbers, positive, whole
 from backhoe.whole_body.linear import matrices, scale_of
 from backhoe.whole_body.robots import BACKHOE, Robot, jacobian, joints_of, posture
 
@@ -71,7 +71,9 @@ def manipulability_gradient(
     """
     whole_robot = choice(part, "part", PARTS) == "whole"
     arm = posture(q, robot)[..., 3:]
-    J, axes = robot.reach_jacobian(arm), robot.axes(arm)
+    shape = (*arm.shape[:-1], 3, robot.joints)
+    J = numbers(robot.reach_jacobian(arm), "reach_jacobian of the robot", shape)
+    axes = numbers(robot.axes(arm), "axes of the robot", shape)
     joints = np.arange(robot.joints)
     first, last = np.minimum.outer(joints, joints), np.maximum.outer(joints, joints)
     change = np.cross(axes[..., first], J[..., last], axis=-3)
@@ -105,12 +107,14 @@ def characteristic_length(robot: Robot = BACKHOE, q: ArrayLike | None = None) ->
         Length [m].
 
     Raises:
-        ValueError: as for `hand`.
+        ValueError: as for `hand`, or no posture at all.
     """
     if q is None:
         angles = np.array(list(product(np.arange(4) * np.pi / 2, repeat=joints_of(robot))))
         q = np.concatenate([np.zeros((len(angles), 3)), angles], axis=-1)
     levers = np.linalg.norm(jacobian(q, robot)[..., 1:], axis=-2)
+    if not levers.size:
+        raise ValueError(f"q must have a posture or more, got shape {np.shape(q)}")
     return positive(float(np.sqrt((levers**2).mean())), "characteristic length", "m")
 
 
@@ -128,9 +132,10 @@ def length_weights(robot: Robot = BACKHOE, length: float | None = None) -> NDArr
         For `minimum_norm` and `manipulability`, shape (2 + joints,) [1, m^2, ...].
 
     Raises:
-        ValueError: length is not positive.
+        ValueError: length is not from 1e-6 to 1e6 m.
     """
-    L = characteristic_length(robot) if length is None else positive(length, "length", "m")
+    L = characteristic_length(robot) if length is None else length
+    L = number(L, "length", "m", least=1e-6, most=1e6)
     return np.array([1.0] + (1 + joints_of(robot)) * [L * L])
 
 

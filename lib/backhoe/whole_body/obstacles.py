@@ -156,7 +156,8 @@ def _arm(q: NDArray, robot: Robot) -> tuple[NDArray, NDArray]:
     R = np.stack([cosine, -sine, zero, sine, cosine, zero, zero, zero, zero + 1], axis=-1)
     axes = np.zeros_like(columns[..., 1:, :])
     axes[..., 0, 2] = 1.0
-    axes[..., 1:, :] = np.swapaxes(R.reshape(*zero.shape, 3, 3) @ robot.axes(q[..., 3:]), -1, -2)
+    arm = numbers(robot.axes(q[..., 3:]), "axes of the robot", (*zero.shape, 3, n))
+    axes[..., 1:, :] = np.swapaxes(R.reshape(*zero.shape, 3, 3) @ arm, -1, -2)
     tip = hand(q, robot)[..., None, :]
     feet = tip + np.cross(axes, columns[..., 1:, :])
     ends = np.concatenate([feet[..., 2:, :], tip], axis=-2)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import choice, number, numbers, positive, whole
 from backhoe.whole_body.linear import matrices, scale_of
-from backhoe.whole_body.robots import BACKHOE, Robot, jacobian, joints_of, posture
+from backhoe.whole_body.robots import BACKHOE, Robot, jacobian, joints_of, posture, reach
 
 PARTS = ("arm", "whole")
 LOST = 1e-13
@@ -53,7 +53,9 @@ def manipulability_gradient(
 ) -> NDArray:
     """How the manipulability changes with the joints: the sum of dJ/dq times J's cofactors.
 
-    That is w trace(J^+ dJ/dq), without the division by a small singular value.
+    That is w trace(J^+ dJ/dq), without the division by a small singular value. An axis turns the
+    levers of those after it, and their axes: column k changes with joint j by the axis of the
+    first of them, times the lever of the last. The platform turns about the first axis of all.
 
     Args:
         q: posture as for `hand`, shape (..., 3 + joints) [m, m, rad, ...].
@@ -69,26 +71,22 @@ def manipulability_gradient(
     Raises:
         ValueError: as for `hand` and `manipulability`, or another part.
     """
-    whole_robot = choice(part, "part", PARTS) == "whole"
-    arm = posture(q, robot)[..., 3:]
-    shape = (*arm.shape[:-1], 3, robot.joints)
+    first = 2 if choice(part, "part", PARTS) == "arm" else 0
+    q, n = posture(q, robot), robot.joints
+    weights = np.ones(2 + n) if weights is None else weights
+    scale = scale_of(weights, 2 + n)[first:]
+    arm, shape = q[..., 3:], (*q.shape[:-1], 3, n)
     J = numbers(robot.reach_jacobian(arm), "reach_jacobian of the robot", shape)
     axes = numbers(robot.axes(arm), "axes of the robot", shape)
-    joints = np.arange(robot.joints)
-    first, last = np.minimum.outer(joints, joints), np.maximum.outer(joints, joints)
-    change = np.cross(axes[..., first], J[..., last], axis=-3)
-    scale = np.ones(2 + robot.joints) if weights is None else scale_of(weights, 2 + robot.joints)
-    if whole_robot:
-        up, none = np.array([0.0, 0.0, 1.0]), np.zeros_like(J)
-        turning = np.cross(up, np.moveaxis(J, -2, -1))
-        reach = robot.reach(arm)
-        platform = np.stack([np.broadcast_to([1.0, 0, 0], reach.shape), np.cross(up, reach)], -1)
-        J = np.concatenate([platform, J], axis=-1)
-        moved = np.stack([none, np.moveaxis(turning, -1, -2)], axis=-2)
-        change = np.concatenate([moved, change], axis=-2)
-    else:
-        scale = scale[2:]
-    U, sigma, V = np.linalg.svd(matrices(J) / scale, full_matrices=False)
+    forwards, up = (np.broadcast_to(np.eye(3)[:, i : i + 1], (*shape[:-1], 1)) for i in (0, 2))
+    turn = np.cross(up[..., 0], reach(q, robot))[..., None]
+    J, axes = np.concatenate([turn, J], axis=-1), np.concatenate([up, axes], axis=-1)
+    every = np.arange(1 + n)
+    before, after = np.minimum.outer(every, every), np.maximum.outer(every, every)
+    change = np.cross(axes[..., before], J[..., after], axis=-3)[..., 1:]
+    change = np.concatenate([np.zeros((*shape[:-1], 1, n)), change], axis=-2)[..., first:, :]
+    J = matrices(np.concatenate([forwards, J], axis=-1)[..., first:])
+    U, sigma, V = np.linalg.svd(J / scale, full_matrices=False)
     others = np.stack([np.prod(np.delete(sigma, i, axis=-1), axis=-1) for i in range(3)], axis=-1)
     others = np.where(sigma[..., -1:] > LOST * sigma[..., :1], others, 0.0)
     return np.einsum("...im,...m,...mk,...ikj->...j", U, others, V / scale, change)

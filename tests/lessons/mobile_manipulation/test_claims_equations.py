@@ -149,7 +149,7 @@ def largest_error(plant, lag=0.0):
         return np.array([0.0, 0.0, *(0.3 * (posture - q[3:]))])
 
     def solve(J, b, v0):
-        return minimum_norm(J, b, v0, weights=weights)
+        return minimum_norm(J, b, weights=weights) + null_projector(J) @ v0
 
     path = eight_path(hand([0.0, 0.0, 0.0, *posture]), 20, length=6, width=3, height=1.5)
     if plant is None:

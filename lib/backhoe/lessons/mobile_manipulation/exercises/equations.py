@@ -50,6 +50,11 @@ def _lever_not_turned(q: NDArray, robot: Robot) -> NDArray:
     return _joined(turn[:, 0], reach, turn @ arm)
 
 
+def _heading_only(q: NDArray, robot: Robot) -> NDArray:
+    turn, reach, arm = _pieces(q, robot)
+    return _joined(turn[:, 0], reach, arm)
+
+
 def _turned_back(q: NDArray, robot: Robot) -> NDArray:
     turn, reach, arm = _pieces(q, robot)
     return _joined(turn[:, 0], turn @ reach, turn.T @ arm)
@@ -68,11 +73,6 @@ def _turned_the_other_way(q: NDArray, robot: Robot) -> NDArray:
     return jacobian(q, robot) * np.r_[1.0, -1.0, np.ones(robot.joints)]
 
 
-def _sideways(q: NDArray, robot: Robot) -> NDArray:
-    turn, reach, arm = _pieces(q, robot)
-    return np.c_[turn[:, :2], _joined(turn[:, 0], turn @ reach, turn @ arm)[:, 1:]]
-
-
 JACOBIAN = Exercise(
     number="12.1",
     title="Six columns",
@@ -86,6 +86,9 @@ JACOBIAN = Exercise(
         "the lever of omega is the platform's view: turn the reach by theta before the cross": (
             _lever_not_turned
         ),
+        "only the heading is turned by theta: the lever of omega and the arm's columns turn, too": (
+            _heading_only
+        ),
         "the arm's columns are turned by -theta: from the platform to the world it is +theta": (
             _turned_back
         ),
@@ -96,7 +99,6 @@ JACOBIAN = Exercise(
         "the column of omega points the other way: up cross lever, in this order": (
             _turned_the_other_way
         ),
-        "a column too many: tracks cannot go sideways, so there is no velocity for it": _sideways,
     },
     hints=(
         "R = [[c, -s, 0], [s, c, 0], [0, 0, 1]] turns from the platform's view to the world's.",
@@ -201,12 +203,6 @@ def _basis(J: NDArray) -> NDArray:
     return np.linalg.svd(J)[2][len(J) :].T
 
 
-def _arm_only(J: NDArray) -> NDArray:
-    N = np.zeros((J.shape[1], J.shape[1]))
-    N[2:, 2:] = null_projector(np.c_[J, np.zeros(len(J))][:, 2:])[:-1, :-1]
-    return N
-
-
 def _in_the_hand(J: NDArray) -> NDArray:
     return np.eye(len(J)) - J @ np.linalg.pinv(J)
 
@@ -227,7 +223,6 @@ PROJECTOR = Exercise(
             _transpose_for_inverse
         ),
         "these are directions that the hand does not notice, a basis: their N is Z @ Z.T": _basis,
-        "the platform is left out: it may move too, if the arm makes good for it": _arm_only,
         "J J^+ is in the hand's space, and just 1 there: it is J^+ J, one row a velocity": (
             _in_the_hand
         ),
@@ -260,6 +255,18 @@ def _changed(**factors: float) -> object:
     return wrong
 
 
+def _only_the_way_in_t(
+    h: NDArray, goal: NDArray, next_goal: NDArray, W: NDArray, T: float
+) -> NDArray:
+    return (next_goal - goal) / T + (1 - np.asarray(W)) * (goal - h)
+
+
+def _where_and_not_how_far(
+    h: NDArray, goal: NDArray, next_goal: NDArray, W: NDArray, T: float
+) -> NDArray:
+    return (next_goal - W * (goal - h)) / T
+
+
 def _with_the_next_error(
     h: NDArray, goal: NDArray, next_goal: NDArray, W: NDArray, T: float
 ) -> NDArray:
@@ -273,6 +280,12 @@ WANTED = Exercise(
     cases=_steps,
     oracle="after_the_step_w_of_the_error_is_left",
     mistakes={
+        "that is where the hand should be: take away where it is, then divide by T": (
+            _where_and_not_how_far
+        ),
+        "the goal's way is divided by T, the error is not: both are to be gone in T": (
+            _only_the_way_in_t
+        ),
         "the error's sign is turned: e = goal - h, where it should be less where it is": (
             _changed(w=-1.0)
         ),

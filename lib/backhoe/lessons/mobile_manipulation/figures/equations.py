@@ -25,54 +25,12 @@ from backhoe.view.plots.style import (
 )
 from backhoe.whole_body import SLIDES, SlidesRobot, hand
 
-__all__ = ["chain", "outline", "solutions", "views"]
+__all__ = ["solutions", "views"]
 
 _REAR, _FRONT, _SIDE, _LOW, _DECK = -0.15, 0.1, 0.16, 0.05, 0.2
 """Drawn platform: behind the axle, ahead of the shoulder, half its width, heights [m]."""
 
 _ARROWS = (ORANGE, GREEN, RED, PURPLE, SKY)
-
-
-def chain(q: ArrayLike, robot: SlidesRobot = SLIDES) -> NDArray:
-    """Deck, shoulder, elbow and hand of the slides' robot in the world.
-
-    Args:
-        q: x, y [m], theta, q1, q2, q3 [rad], shape (6,).
-        robot: its lengths.
-
-    Returns:
-        Shape (4, 3) [m].
-
-    Raises:
-        ValueError: another shape, or a value is not finite.
-    """
-    q = numbers(q, "q", (6,))
-    reach = robot.l2 * np.cos(q[4])
-    elbow = [robot.a + reach * np.cos(q[3]), reach * np.sin(q[3])]
-    flat = _in_the_world(q, [[robot.a, 0.0], [robot.a, 0.0], elbow])
-    heights = [_DECK, robot.h, robot.h + robot.l2 * np.sin(q[4])]
-    return np.vstack([np.c_[flat, heights], hand(q, robot)])
-
-
-def outline(q: ArrayLike, robot: SlidesRobot = SLIDES) -> tuple[NDArray, NDArray]:
-    """The platform as a closed line from above, x and y, and from the side, x and z.
-
-    Args:
-        q: as for `chain`, shape (6,).
-        robot: its lengths.
-
-    Returns:
-        Shapes (5, 2) and (5, 2) [m].
-
-    Raises:
-        ValueError: another shape, or a value is not finite.
-    """
-    q = numbers(q, "q", (6,))
-    front = robot.a + _FRONT
-    corners = [[_REAR, -_SIDE], [front, -_SIDE], [front, _SIDE], [_REAR, _SIDE], [_REAR, -_SIDE]]
-    above = _in_the_world(q, corners)
-    ends = above[:, 0].min(), above[:, 0].max()
-    return above, np.c_[np.take(ends, [0, 1, 1, 0, 0]), np.take((_LOW, _DECK), [0, 0, 1, 1, 0])]
 
 
 @styled
@@ -85,7 +43,8 @@ def views(
     """The slides' robot from above and from the side, in one posture or several.
 
     Args:
-        scenes: label -> postures as for `chain`, shape (n, 6); later ones are drawn stronger.
+        scenes: label -> postures x, y [m], theta, q1, q2, q3 [rad], shape (n, 6); later ones are
+            drawn stronger.
         path: a dashed line for the hand, shape (n, 3) [m].
         arrows: name -> arrow at the hand of the first posture, shape (3,) [m]; one that a view
             sees end on is left out there.
@@ -99,7 +58,7 @@ def views(
         postures = numbers(postures, label, ("n", 6))
         strengths = np.linspace(0.35 if len(postures) > 1 else 1.0, 1.0, len(postures))
         for q, alpha in zip(postures, strengths, strict=True):
-            joints, shapes = chain(q, robot), outline(q, robot)
+            joints, shapes = _chain(q, robot), _outline(q, robot)
             for ax, rows, shape in zip(axes, ((0, 1), (0, 2)), shapes, strict=True):
                 ax.plot(*shape.T, color=GREY, lw=1.0, alpha=alpha)
                 last = label if q is postures[-1] or alpha == 1.0 else "_"
@@ -163,6 +122,24 @@ def solutions(row: ArrayLike, b: float, preferred: ArrayLike, names: tuple[str, 
     ax.set(xlabel=names[0], ylabel=names[1], aspect="equal", **limits)
     fig.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return fig
+
+
+def _chain(q: NDArray, robot: SlidesRobot) -> NDArray:
+    """Deck, shoulder, elbow and hand in the world, shape (4, 3) [m]."""
+    reach = robot.l2 * np.cos(q[4])
+    elbow = [robot.a + reach * np.cos(q[3]), reach * np.sin(q[3])]
+    flat = _in_the_world(q, [[robot.a, 0.0], [robot.a, 0.0], elbow])
+    heights = [_DECK, robot.h, robot.h + robot.l2 * np.sin(q[4])]
+    return np.vstack([np.c_[flat, heights], hand(q, robot)])
+
+
+def _outline(q: NDArray, robot: SlidesRobot) -> tuple[NDArray, NDArray]:
+    """The platform as a closed line from above, x and y, and from the side, x and z [m]."""
+    front = robot.a + _FRONT
+    corners = [[_REAR, -_SIDE], [front, -_SIDE], [front, _SIDE], [_REAR, _SIDE], [_REAR, -_SIDE]]
+    above = _in_the_world(q, corners)
+    ends = above[:, 0].min(), above[:, 0].max()
+    return above, np.c_[np.take(ends, [0, 1, 1, 0, 0]), np.take((_LOW, _DECK), [0, 0, 1, 1, 0])]
 
 
 def _in_the_world(q: NDArray, points: ArrayLike) -> NDArray:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import numbers
+from backhoe.basics.inputs import number, numbers
 from backhoe.view.plots.style import (
     BLUE,
     COLOURS,
@@ -92,14 +92,15 @@ def solutions(row: ArrayLike, b: float, preferred: ArrayLike, names: tuple[str, 
 
     Args:
         row: coefficients, shape (2,), none of them zero.
-        b: what row @ v should be.
-        preferred: v0, shape (2,).
+        b: what row @ v should be, in its own unit.
+        preferred: v0, shape (2,), in the units of `names`.
         names: of the two velocities with their units.
 
     Raises:
         ValueError: shapes that do not fit, or a value is not finite.
     """
     row, v0 = numbers(row, "row", (2,)), numbers(preferred, "preferred", (2,))
+    b = number(b, "b")
     least = row * b / (row @ row)
     along = np.array([-row[1], row[0]]) / np.linalg.norm(row)
     nearest = least + along * (along @ v0)

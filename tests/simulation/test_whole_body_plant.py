@@ -25,7 +25,7 @@ def a_world(backend="analytic", soil=False, **options):
 
 def asked(q, dq, speed, angle, law=servo.speed_torque, arm=None, friction=NONE, limit=FREE, w=20.0):
     """Torque and wanted angle after one step of 1 ms."""
-    arm = tuple(terms.arm_of(BACKHOE) if arm is None else arm)
+    arm = np.array(terms.arm_of(BACKHOE) if arm is None else arm)
     angle, torque = np.array(angle), np.empty(4)
     law(arm, friction, limit, w, np.array([q, dq]), np.array(speed), 1e-3, angle, torque)
     return torque, angle

@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from backhoe.arm.dynamics.terms import Arm, newton_euler
+from backhoe.arm.dynamics.terms import newton_euler
 from backhoe.simulation.forces import COULOMB_SMOOTHING
 from backhoe.simulation.moving_base import vectors_at
+from backhoe.simulation.standing import arm_in
 
 BANDWIDTH = 25.0
 """w, of all joints [rad/s]: ours, well above what a path asks for and well below the 1 kHz."""
@@ -28,7 +29,7 @@ def speed_torque(arm, friction, limit, bandwidth, state, speed, dt, angle, torqu
     A joint at its torque limit does not gather angle that it then has to make up for.
 
     Args:
-        arm: `terms.arm_of` the machine, its last number the mass of bucket and load [kg].
+        arm: `terms.arm_of` the machine in an array, last the mass of bucket and load [kg], (21,).
         friction: rows viscous [N m s/rad] and Coulomb [N m], shape (2, 4).
         limit: of the torques, shape (4,) [N m].
         bandwidth: w [rad/s].
@@ -38,7 +39,7 @@ def speed_torque(arm, friction, limit, bandwidth, state, speed, dt, angle, torqu
         angle: wanted angles, shape (4,) [rad]; brought forward in place.
         torque: shape (4,) [N m], filled in.
     """
-    arm = Arm(*arm)
+    arm = arm_in(arm)
     q, dq = state[0], state[1]
     v = vectors_at(arm, q[1], q[2], q[3])
     wanted = np.empty(4)

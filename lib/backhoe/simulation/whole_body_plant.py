@@ -69,7 +69,7 @@ class WholeBodyPlant:
         self._bandwidth = positive(bandwidth, "bandwidth", "rad/s")
         self._turning = not_negative(turning, "turning", "1/s")
         machine = world.machine
-        self._arm = terms.arm_of(machine)
+        self._arm = np.array(terms.arm_of(machine))
         self._friction = np.array([machine.viscous, machine.coulomb])
         self._limit = np.array(machine.torque_limit, dtype=float)
         self._torque = np.zeros(4)
@@ -116,8 +116,8 @@ class WholeBodyPlant:
         self._missing = min(max(missing, -MOST_ADDED), MOST_ADDED)
         belts, speed = belt_speeds(v[0], v[1] + self._missing, self.machine), v[2:]
         payload = 0.0 if world.ground is None else world.ground.payload
-        arm = (*self._arm[:-1], self._arm[-1] + payload)
-        fixed = arm, self._friction, self._limit, self._bandwidth
+        self._arm[-1] = self.machine.bucket.mass + payload
+        fixed = self._arm, self._friction, self._limit, self._bandwidth
         state = np.empty((2, 4))
         for _ in range(self._ticks):
             state[0], state[1] = world.q, world.dq

@@ -18,13 +18,13 @@ from backhoe.arm import kinematics
 from backhoe.machine import BACKHOE, Machine
 from backhoe.mission.design import SlopeDesign
 
-SPEED = 0.6
-"""Of the edge on its way [m/s]; the bounds of the joints and tracks are felt at some places."""
+SPEED = 1.2
+"""Of the edge on its way [m/s]; the bounds of joints and tracks allow less on most of it."""
 
 CURLING = 0.7
 """Largest speed of the bucket's pitch [rad/s]."""
 
-ROUNDED = 0.3
+ROUNDED = 0.16
 """Corners of the way are rounded over this time [s]."""
 
 LANES = (-0.5, 0.5, 0.5, -0.5, 0.0)

@@ -33,14 +33,14 @@ SAMPLE = 2
 FRAME = 5
 """Samples between two pictures of a replay."""
 
-W = 0.95
+W = 0.97
 """Share of the edge's error that a period leaves [1]: the drives are not quicker."""
 
 CREEP, TURN = 0.25, 0.1
 """Largest speeds of the tracks during a stroke [m/s, rad/s]."""
 
-SOFT = 0.4
-"""How fast the tracks may speed up or slow down during a stroke [m/s^2]."""
+SOFT = np.array([0.4, 0.3, 0.4, 0.4, 0.6, 1.0])
+"""How fast tracks and joints speed up or slow down during a stroke [m/s^2, rad/s^2]."""
 
 SMALL = 1.0
 """What (m/s)^2 or (rad/s)^2 away from the preferred velocities cost the library's part beside the
@@ -197,6 +197,8 @@ class Tracer:
             asked = self._part(J, b, preferred, lower, upper)
             v = np.minimum(np.maximum(asked, lower), upper)
             self.excess.append(float(np.max(np.abs(asked - v) / self.fastest)))
+            most = SOFT * PERIOD
+            v = self._v + np.minimum(np.maximum(v - self._v, -most), most)
             square = float(b @ b)
             share = min(max(float(b @ (J @ v)) / square, 0.0), 1.0) if square > 0.0 else 1.0
             self._goal, self._share = now[:4], share
@@ -217,11 +219,8 @@ class Tracer:
         return np.minimum(np.maximum(preferred, -self.fastest), self.fastest)
 
     def _bounds(self, q: NDArray) -> tuple[NDArray, NDArray]:
-        """Bounds of the six velocities: joints stay in range, the tracks speed up softly."""
+        """Bounds of the six velocities: speed limits, and the joints stay in range."""
         machine, lower, upper = self.machine, -self.fastest, self.fastest.copy()
-        most = SOFT * PERIOD
-        lower[0] = min(max(lower[0], self._v[0] - most), upper[0])
-        upper[0] = max(min(upper[0], self._v[0] + most), lower[0])
         lower[2:], upper[2:] = joint_bounds(q[3:], machine.lower, machine.upper, upper[2:], PERIOD)
         return lower, upper
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe import simulation
 from backhoe.basics.inputs import choice, instance, numbers, positive, whole
 from backhoe.machine import BACKHOE, Machine
-from backhoe.mission.calls import ESTIMATORS, given_parts
+from backhoe.mission.calls import ESTIMATORS, LIBRARY, given_parts
 from backhoe.mission.design import Design, SlopeDesign, TrenchDesign
 from backhoe.mission.parts import GRADE_PARTS
 from backhoe.mission.passes import LANES, Stroke, edge_posture, slope_strokes
@@ -32,6 +32,9 @@ JOBS = ("slope", "trench")
 
 FIXES = 0.5
 """Time between two positions by a total station [s]."""
+
+APPROACH = 1.2
+"""From where the machine starts to where it begins a trench [m]."""
 
 BORDER = 0.2
 """At each side of what the bucket passes, where the earth beside it slides down [m]."""
@@ -58,6 +61,7 @@ class GradingRun(Record):
         margin: of the machine's balance, shape (n,) [m]; `least` since the start.
         bucket: soil in it, shape (n,) [m^3].
         bucket_volume, off_map_volume: soil in the bucket and beside the map at the end [m^3].
+        settings: what `grade` was told but for the parts; the pose as a tuple.
         soil_lost: largest change of all soil together [m^3].
         excess: by which the part asked for more than the bounds, as a share of the largest
             velocity, one value for each period of the strokes, shape (m,) [1].
@@ -88,6 +92,7 @@ class GradingRun(Record):
     bucket_volume: float
     off_map_volume: float
     soil_lost: float
+    settings: dict[str, object]
     excess: NDArray
     given_up: int
     SHOWN = ("mission.grade", "Grade", "3D replay of the backhoe grading soil on its tracks")
@@ -131,7 +136,8 @@ def grade(
             middle line, shape (n,) [1]. What they cover is graded, but for `BORDER` at each side.
         soil: as in `simulation.open_world`.
         machine, backend: likewise.
-        pose: where the machine starts, x, y, heading, shape (3,) [m, m, rad]; default the origin.
+        pose: where the machine starts, x, y, heading, shape (3,) [m, m, rad]; default the origin,
+            for a trench `APPROACH` behind where it begins.
         seed: of the bank's bumps and of the sensors' noise.
         record: keep what the 3D replay needs.
 
@@ -152,21 +158,36 @@ def grade(
     fixes = None if fixes is None else positive(fixes, "fixes", "s")
     seed = whole(seed, "seed", least=0)
     soil = soil_of("sandy loam" if soil is None else soil)
+    lanes = tuple(numbers(lanes, "lanes", ("n",), meaning="shares of the bucket's width").tolist())
+    width = (max(lanes) - min(lanes) + 1) * machine.shell.width - 2 * BORDER
     scene = {"slope": GRADING, "trench": TRENCHING}[job] if scene is None else scene
     instance(scene, "scene", Scene)
     if job == "trench":
         design = TrenchDesign() if design is None else instance(design, "design", TrenchDesign)
         strokes = trench_strokes(design, machine, PERIOD)
+        pose = _behind(strokes[0].stand) if pose is None else pose
     elif design is not None:
         raise ValueError("the design of a slope is its scene's bank: leave design out")
     else:
-        lanes = numbers(lanes, "lanes", ("n",), meaning="shares of the bucket's width")
-        width = (np.ptp(lanes) + 1) * machine.shell.width - 2 * BORDER
-        design = _slope(scene, soil, float(width))
-        strokes = slope_strokes(design, PERIOD, machine, tuple(lanes.tolist()))
+        design = _slope(scene, soil, width)
+        strokes = slope_strokes(design, PERIOD, machine, lanes)
     _check_map(strokes, scene)
     start = edge_posture(CARRYING, machine)
     start[0] = FORWARD
+    settings = {
+        "job": job,
+        "scene": scene,
+        "design": design if job == "trench" else None,
+        "lanes": lanes,
+        "soil": soil,
+        "machine": machine,
+        "backend": backend,
+        "pose": None if pose is None else tuple(np.asarray(pose, dtype=float).tolist()),
+        "seed": seed,
+        "fixes": fixes,
+        "odometry": None if odometry is None else LIBRARY,
+        "localisation": None if localisation is None else LIBRARY,
+    }
     options = {"backend": backend, "scene": scene, "seed": seed, "q": start, "soil": soil}
     with simulation.open_world(machine, **options) as world:
         if pose is not None:
@@ -176,7 +197,7 @@ def grade(
         tracer = Tracer(world, given, fixes, seed, record)
 
         def made() -> GradingRun:
-            return _run(tracer, given, design, strokes, before, job, fixes, seed)
+            return _run(tracer, given, design, strokes, before, settings)
 
         try:
             tracer.do(strokes)
@@ -197,6 +218,11 @@ def _slope(scene: Scene, soil: SoilParameters, width: float) -> SlopeDesign:
             f"soil, whose angle of repose is {degrees(soil.repose):.0f} deg"
         )
     return design
+
+
+def _behind(stand: NDArray) -> NDArray:
+    """A pose `APPROACH` behind another, shapes (3,) [m, m, rad]."""
+    return stand - APPROACH * np.array([np.cos(stand[2]), np.sin(stand[2]), 0.0])
 
 
 def _check_map(strokes: list[Stroke], scene: Scene) -> None:
@@ -228,9 +254,7 @@ def _run(
     design: Design,
     strokes: list[Stroke],
     before: NDArray,
-    job: str,
-    fixes: float | None,
-    seed: int,
+    settings: dict[str, object],
 ) -> GradingRun:
     time, stroke, q, estimate, goal, v, share, margin, bucket = map(
         np.array, zip(*tracer.log, strict=True)
@@ -241,9 +265,10 @@ def _run(
         machine=world.machine,
         backend=world.backend,
         recorder=tracer.recorder,
-        job=job,
-        seed=seed,
-        fixes=fixes if any(name in given for name in ESTIMATORS) else None,
+        job=settings["job"],
+        seed=settings["seed"],
+        fixes=settings["fixes"] if any(name in given for name in ESTIMATORS) else None,
+        settings=settings,
         scene=world.scene,
         soil=ground.parameters,
         design=design,

@@ -117,19 +117,20 @@ def slope_strokes(
     return strokes
 
 
-def timed(knots: NDArray, period: float) -> NDArray:
+def timed(knots: NDArray, period: float, speed: ArrayLike = SPEED) -> NDArray:
     """Goals every period along straight lines between knots, corners rounded, rest at both ends.
 
     Args:
         knots: x, y, z [m], pitch [rad], reach [m], shape (n, 5).
         period: between two goals [s].
+        speed: of the edge, on all of the way or shape (n - 1,) [m/s].
 
     Returns:
         Shape (m, 5), the same columns.
     """
     change = np.abs(np.diff(knots, axis=0))
     length = np.linalg.norm(change[:, :3], axis=1)
-    times = np.r_[0.0, np.cumsum(np.maximum(length / SPEED, change[:, 3] / CURLING))]
+    times = np.r_[0.0, np.cumsum(np.maximum(length / speed, change[:, 3] / CURLING))]
     half = round(ROUNDED / 2 / period)
     t = period * np.arange(-2 * half, round(times[-1] / period) + 2 * half + 1)
     way = np.stack([np.interp(t, times, column) for column in knots.T], axis=1)

@@ -13,7 +13,9 @@ from backhoe.basics.inputs import instance
 from backhoe.machine import Machine
 from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
+from backhoe.mission.grading import GradingRun, grade
 from backhoe.mission.loading import Run, run
+from backhoe.mission.surface import SurfaceScore, assess
 from backhoe.mission.surveying import SurveyRun, survey
 from backhoe.mission.table import MARGIN_ROWS, table
 from backhoe.mission.worksite import CODA, EYES
@@ -248,7 +250,31 @@ def _reference_survey(**settings: object) -> SurveyScore:
     return _measure_survey(survey(**settings))
 
 
-def score(run: Run | DriveRun | SurveyRun) -> Score | DriveScore | SurveyScore:
+def _measure_grading(run: GradingRun) -> SurfaceScore:
+    return assess(
+        run.design,
+        run.scene,
+        run.before,
+        run.after,
+        bucket=run.bucket_volume,
+        off_map=run.off_map_volume,
+        time=float(run.time[-1]),
+        margin=run.least.margin,
+        margin_time=run.least.time,
+        violations=run.violations,
+        given_up=run.given_up,
+        swapped=run.swapped,
+    )
+
+
+@lru_cache(maxsize=8)
+def _reference_grading(**settings: object) -> SurfaceScore:
+    return _measure_grading(grade(**settings))
+
+
+def score(
+    run: Run | DriveRun | SurveyRun | GradingRun,
+) -> Score | DriveScore | SurveyScore | SurfaceScore:
     """Measure a run beside the same run with the library's parts only.
 
     The reference runs in a new world of the same scene and soil, by the same backend if it is the
@@ -257,7 +283,7 @@ def score(run: Run | DriveRun | SurveyRun) -> Score | DriveScore | SurveyScore:
     reference: drive the plant again without your tracker.
 
     Args:
-        run: what `mission.run`, `mission.drive` or `mission.survey` returned.
+        run: what `mission.run`, `drive`, `survey` or `grade` returned.
 
     Returns:
         The score; `print` shows it beside the reference.
@@ -265,8 +291,11 @@ def score(run: Run | DriveRun | SurveyRun) -> Score | DriveScore | SurveyScore:
     Raises:
         TypeError: run is something else.
     """
-    kinds = (Run, DriveRun, SurveyRun)
-    instance(run, "run", kinds, "take what mission.run, drive or survey returned")
+    kinds = (Run, DriveRun, SurveyRun, GradingRun)
+    instance(run, "run", kinds, "take what mission.run, drive, survey or grade returned")
+    if isinstance(run, GradingRun):
+        reference = _reference_grading(**run.settings) if run.swapped else None
+        return replace(_measure_grading(run), reference=reference)
     if isinstance(run, SurveyRun):
         settings = {name: getattr(run, name) for name in ("cycles", "seed", "resolution")}
         settings["record"] = run.recorder is not None

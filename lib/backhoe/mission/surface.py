@@ -32,7 +32,9 @@ class SurfaceScore:
     and `filled` there; `elsewhere`, by how much the rest of the map has grown; `bucket` and
     `off_map`, what is in the bucket and beside the map at the end. `lost` must be nothing.
 
-    Of the machine: `time` [s]; `margin` its least [m], at `margin_time` [s]; NaN if not given.
+    Of the machine: `time` [s]; `margin` its least [m], at `margin_time` [s]; NaN if not given;
+    `violations`, the share of the time in which more was asked of it than its limits allow [1], and
+    how many strokes were `given_up`.
     """
 
     share: float
@@ -51,6 +53,8 @@ class SurfaceScore:
     time: float = nan
     margin: float = nan
     margin_time: float = nan
+    violations: float = 0.0
+    given_up: int = 0
     swapped: tuple[str, ...] = ()
     reference: SurfaceScore | None = None
 
@@ -79,7 +83,12 @@ class SurfaceScore:
         ]
         rows += [("lost [m^3]", "{:.2f}", lambda s: round(s.lost, 2) + 0.0)]
         if not np.isnan(self.margin):
-            rows += [("time [s]", "{:.1f}", lambda s: s.time), *MARGIN_ROWS]
+            rows += [
+                ("time [s]", "{:.1f}", lambda s: s.time),
+                ("beyond limits [%]", "{:.1f}", lambda s: 100 * s.violations),
+                ("strokes given up", "{:.0f}", lambda s: s.given_up),
+                *MARGIN_ROWS,
+            ]
         return table(self, rows)
 
 
@@ -102,7 +111,7 @@ def assess(
         before, after: heights of the soil, shape (rows, columns) [m].
         bucket, off_map: soil in the bucket and beside the map after the work [m^3].
         tolerance: for `share` [m].
-        machine: `time`, `margin`, `margin_time` and `swapped` of the score, if known.
+        machine: `time`, `margin`, `swapped` and the like of the score, if known.
 
     Raises:
         TypeError: design or scene is something else.

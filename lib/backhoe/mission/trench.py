@@ -38,6 +38,9 @@ RAMP = 0.4, 1.5
 CLEAR = 0.15
 """Between the tracks and where the bucket comes out [m]."""
 
+SPEEDS = np.array([0.6, 0.2, 0.5, 0.4, 0.4, 0.4])
+"""Of the edge: down to the ground, into it, along the bottom, up the ramp, out and up [m/s]."""
+
 FAR, NEAR, CURLED = radians(-100), radians(-135), radians(-178)
 """Pitch of the bucket at the far and the near end of a bay, and where it comes out."""
 
@@ -81,7 +84,7 @@ def trench_strokes(design: TrenchDesign, machine: Machine, period: float) -> lis
             strokes.append(
                 Stroke(
                     (f"bay {bays - bay}, " if bays > 1 else "") + f"layer {layer + 1}",
-                    timed(np.c_[points, knots[:, 2:]], period),
+                    timed(np.c_[points, knots[:, 2:]], period, SPEEDS),
                     np.r_[stand, design.heading],
                     1.0 if layer % 2 else -1.0,
                 )
@@ -96,10 +99,11 @@ def _knots(near: float, far: float, over: float, reach: float, ramp: float, deep
     return np.array(
         [
             (far + BEYOND, deep + 1.0, FAR, reach),
+            (far + BEYOND, over + 0.3, FAR, reach),
             (far + BEYOND, over, FAR, reach),
             (near - 0.1, over, NEAR, close),
-            (near - 0.4, over + 0.1, NEAR - radians(20), close - 0.1),
-            (near - ramp, max(over + 0.45, deep + 0.2), CURLED, close - 0.4),
+            (near - 0.4, over + 0.2, NEAR - radians(20), close - 0.1),
+            (near - ramp, max(over + 0.55, deep + 0.2), CURLED, close - 0.4),
             (near - ramp, deep + 1.5, CURLED, close - 0.4),
         ]
     )

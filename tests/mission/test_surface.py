@@ -1,5 +1,6 @@
 """Finished earthwork in numbers, on surfaces that are made up."""
 
+from dataclasses import replace
 from math import radians, tan
 
 import numpy as np
@@ -102,13 +103,18 @@ def test_a_trench_without_an_edge_is_no_straight_one(height):
 
 def test_the_text_shows_every_number_beside_the_reference():
     flat = np.zeros((150, 160))
-    machine = {"time": 60.0, "margin": 0.5, "margin_time": 12.0}
+    machine = {"violations": 0.25, "given_up": 1, "time": 60.0, "margin": 0.5, "margin_time": 12.0}
     score = assess(TRENCH, SCENE, flat, trench(), **machine, swapped=("whole_body",))
     text = str(score)
     assert text.startswith("swapped in: whole_body")
     assert "within 5 cm [%]" in text
+    assert "beyond limits [%]             25.0" in text
+    assert "strokes given up                 1" in text
     assert "edge off its line [cm]" in text
     assert "least margin [m]              0.50" in text
+    worse = replace(score, reference=replace(score, mean=0.123, swapped=()))
+    row = next(line for line in str(worse).splitlines() if line.startswith("mean error"))
+    assert row.split()[-2:] == [f"{100 * score.mean:.1f}".replace("-0.0", "0.0"), "12.3"]
     assert "edge" not in str(assess(SLOPE, SCENE, flat, flat))
     assert "margin" not in str(assess(SLOPE, SCENE, flat, flat))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from backhoe import whole_body
+from backhoe import mission, whole_body
 from backhoe.machine import BACKHOE as MACHINE
 from backhoe.whole_body import BACKHOE, SLIDES, SlidesRobot, hand, jacobian
 
@@ -161,3 +161,31 @@ def test_a_controller_is_judged_by_what_it_keeps():
     assert any("against it" in str(one) for one in verdicts(turned))
     assert any("another direction" in str(one) for one in verdicts(bent))
     assert verdicts(lambda *case: np.full(6, np.nan)) == verdicts(lambda *case: np.zeros(5))
+
+
+def test_usual_mistakes_show_in_the_surface_or_in_broken_limits():
+    def clips(J, b, preferred, lower, upper):
+        return np.clip(whole_body.minimum_norm(J, b, preferred), lower, upper)
+
+    def minimum_norm(J, b, preferred, lower, upper):
+        return whole_body.minimum_norm(J, b, preferred)
+
+    def forgets(J, b, preferred, lower, upper):
+        return whole_body.limited_velocity(J, b, lower, upper).v
+
+    def factor(J, b, preferred, lower, upper):
+        v = whole_body.minimum_norm(J, b, preferred)
+        bound = np.where(v > 0, upper, lower)
+        return v * np.min(bound[v != 0] / v[v != 0], initial=1.0)
+
+    def graded(part=None):
+        run = mission.grade(whole_body=part, lanes=[0.0], backend="analytic")
+        errors = run.design.errors(run.after, run.scene)
+        errors = np.abs(errors[np.isfinite(errors)])
+        return np.mean(errors <= 0.05), errors.max(), run.violations, run.after
+
+    library, clipped, alone = graded(), graded(clips), graded(minimum_norm)
+    assert library[0] > 0.97 and graded(factor)[0] > 0.97
+    assert clipped[0] < 0.8 and clipped[2] == library[2] == 0
+    assert alone[2] > 0.9 and np.abs(alone[3] - clipped[3]).max() < 1e-9
+    assert graded(forgets)[1] > 1.9 * library[1]

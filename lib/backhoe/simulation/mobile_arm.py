@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics.inputs import instance, numbers, positive
 from backhoe.simulation import bullet
 from backhoe.simulation.clock import ticks
+from backhoe.simulation.rover_urdf import link_urdf
 from backhoe.whole_body.robots import SLIDES, SlidesRobot, posture
 
 STEP = 0.005
@@ -167,12 +168,12 @@ def mobile_arm_urdf(robot: SlidesRobot = SLIDES) -> str:
     foot, height = robot.a, 2 * RADIUS
     castor = foot + 0.1
     parts = [
-        _link("body", (BALLAST, 0.0, height), BODY, (0.4, 0.8, 1.0)),
-        _link("castor", (0.0, 0.0, 0.0), 0.1, (1e-4,) * 3, RADIUS / 2),
+        link_urdf("body", (BALLAST, 0.0, height), BODY, (0.4, 0.8, 1.0)),
+        link_urdf("castor", (0.0, 0.0, 0.0), 0.1, (1e-4,) * 3, _ball(RADIUS / 2)),
         _joint("castor", "fixed", "body", (castor, 0.0, RADIUS / 2), "1 0 0"),
     ]
     for name, side in (("left", HALF_TRACK), ("right", -HALF_TRACK)):
-        parts.append(_link(name, (0.0, 0.0, 0.0), WHEEL, (0.003, 0.005, 0.003), RADIUS))
+        parts.append(link_urdf(name, (0.0, 0.0, 0.0), WHEEL, (0.003, 0.005, 0.003), _ball(RADIUS)))
         parts.append(_joint(name, "continuous", "body", (0.0, side, RADIUS), "0 1 0"))
     hinges = (
         ("q1", foot, robot.h, "0 0 1"),
@@ -182,20 +183,14 @@ def mobile_arm_urdf(robot: SlidesRobot = SLIDES) -> str:
     before = "body"
     for (name, ahead, above, axis), length in zip(hinges, (0.0, robot.l2, robot.l3), strict=True):
         thick, long = LINK * 0.03**2, LINK * (0.03**2 + length**2 / 12)
-        parts.append(_link(name, (length / 2, 0.0, 0.0), LINK, (thick, long, long)))
+        parts.append(link_urdf(name, (length / 2, 0.0, 0.0), LINK, (thick, long, long)))
         parts.append(_joint(name, "continuous", before, (ahead, 0.0, above), axis))
         before = name
     return "\n".join(['<?xml version="1.0"?>', '<robot name="mobile_arm">', *parts, "</robot>"])
 
 
-def _link(name: str, middle: tuple, mass: float, inertia: tuple, ball: float = 0.0) -> str:
-    (x, y, z), (xx, yy, zz) = middle, inertia
-    solid = f'<collision><geometry><sphere radius="{ball}"/></geometry></collision>' if ball else ""
-    return (
-        f'<link name="{name}"><inertial><origin xyz="{x} {y} {z}"/><mass value="{mass}"/>'
-        f'<inertia ixx="{xx}" iyy="{yy}" izz="{zz}" ixy="0" ixz="0" iyz="0"/></inertial>'
-        f"{solid}</link>"
-    )
+def _ball(radius: float) -> str:
+    return f'<sphere radius="{radius}"/>'
 
 
 def _joint(name: str, kind: str, parent: str, at: tuple, axis: str) -> str:

@@ -50,7 +50,7 @@ def rover_urdf(vehicle: Vehicle, *, wheels: str = "continuous") -> str:
     scale = yaw / (L**2 + W**2)
     body = scale * (W**2 + H**2), scale * (L**2 + H**2), yaw
     parts = [
-        _link("body", body_middle(p), p.body_mass, body, f'<box size="{L!r} {W!r} {H!r}"/>'),
+        link_urdf("body", body_middle(p), p.body_mass, body, f'<box size="{L!r} {W!r} {H!r}"/>'),
         *(
             _wheel(p, name, at, wheels, across)
             for name, at in zip(WHEELS, p.positions, strict=True)
@@ -64,20 +64,31 @@ def _wheel(p: Vehicle, name: str, at: tuple, kind: str, across: float) -> str:
     inertia = across, p.wheel_inertia, across
     x, y = (float(value) for value in at)
     return (
-        _link(name, (0.0, 0.0, 0.0), p.wheel_mass, inertia, solid, f' rpy="{pi / 2!r} 0 0"')
+        link_urdf(name, (0.0, 0.0, 0.0), p.wheel_mass, inertia, solid, f' rpy="{pi / 2!r} 0 0"')
         + f'\n<joint name="{name}" type="{kind}"><parent link="body"/><child link="{name}"/>'
         f'<origin xyz="{x!r} {y!r} {p.wheel_radius!r}"/><axis xyz="0 1 0"/>'
         '<dynamics damping="0" friction="0"/></joint>'
     )
 
 
-def _link(
-    name: str, middle: tuple, mass: float, inertia: tuple, solid: str, turned: str = ""
+def link_urdf(
+    name: str, middle: tuple, mass: float, inertia: tuple, solid: str = "", turned: str = ""
 ) -> str:
+    """A link as URDF text.
+
+    Args:
+        name: of the link.
+        middle: its centre of mass, and of the solid, in its frame, shape (3,) [m].
+        mass: [kg].
+        inertia: about the axes through there, shape (3,) [kg m^2].
+        solid: that collides, as URDF text; none if empty.
+        turned: attribute that turns the solid.
+    """
     xx, yy, zz = (float(value) for value in inertia)
     at = " ".join(repr(float(value)) for value in middle)
+    shape = f'<origin xyz="{at}"{turned}/><geometry>{solid}</geometry>'
     return (
         f'<link name="{name}"><inertial><origin xyz="{at}"/><mass value="{mass!r}"/>'
         f'<inertia ixx="{xx!r}" iyy="{yy!r}" izz="{zz!r}" ixy="0" ixz="0" iyz="0"/></inertial>'
-        f'<collision><origin xyz="{at}"{turned}/><geometry>{solid}</geometry></collision></link>'
+        f"{f'<collision>{shape}</collision>' if solid else ''}</link>"
     )

@@ -92,13 +92,6 @@ class WholeBodyPlant:
         dx, dy, omega = self.world.twist
         return np.concatenate([[dx * cos(heading) + dy * sin(heading), omega], self.world.dq])
 
-    @property
-    def lateral_speed(self) -> float:
-        """Speed to the left in the machine's own frame [m/s]: slip."""
-        dx, dy, _ = self.world.twist
-        heading = self.world.pose[2]
-        return float(dy * cos(heading) - dx * sin(heading))
-
     def step(self, v: ArrayLike) -> None:
         """Go on for `dt` with wanted velocities.
 

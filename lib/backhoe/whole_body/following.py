@@ -103,7 +103,8 @@ def follow(
     lag = lags(lag, robot)
     duration = positive(path.duration if duration is None else duration, "duration", "s")
     count = whole(max(round(duration / dt), 1), "duration over dt", most=MOST)
-    goal = goals(path, dt, count, fastest)
+    goal = numbers(path(dt * np.arange(count + 1)), _CALL, (count + 1, 3), meaning="points [m]")
+    wanted_velocity(goal[:-1], goal[:-1], goal[1:], 0.0, dt, fastest=fastest)  # for its check
     prefer = _still(robot) if preferred is None else function(preferred, "preferred", _PREFERRED)
     rate = np.gradient(goal, dt, axis=0)
     q, v, told, start = [plant.q], [plant.v], [], plant.time
@@ -128,33 +129,6 @@ def follow(
     time = start + dt * np.arange(count + 1)
     parts = manipulability(J[..., 2:]), manipulability(J)
     return Following(robot, time, q, np.array(v), np.array(told), goal, *parts)
-
-
-def goals(path: Callable, dt: float, count: int, fastest: float = FASTEST) -> NDArray:
-    """Places of a path at count + 1 times, dt apart from 0, if it does not jump.
-
-    Args:
-        path: as for `follow`.
-        dt: step [s].
-        count: how many steps.
-        fastest: largest speed that it may ask for [m/s].
-
-    Returns:
-        Shape (count + 1, 3) [m].
-
-    Raises:
-        ValueError: another shape, or a step is longer than `fastest` allows; the message names it.
-    """
-    goal = numbers(path(dt * np.arange(count + 1)), _CALL, (count + 1, 3), meaning="points [m]")
-    speed = np.linalg.norm(np.diff(goal, axis=0), axis=-1) / positive(dt, "dt", "s")
-    if (speed > positive(fastest, "fastest", "m/s")).any():
-        k = int(np.argmax(speed > fastest))
-        raise ValueError(
-            f"the path jumps at {k * dt:.4g} s: from {goal[k].round(3)} to {goal[k + 1].round(3)} m"
-            f" in {dt:.4g} s is {speed[k]:.4g} m/s, above fastest = {fastest:.4g} m/s; join its "
-            "parts, or give it more time"
-        )
-    return goal
 
 
 def _still(robot: Robot) -> Callable:

@@ -36,6 +36,7 @@ def graded():
 def test_the_slope_is_graded_to_5_cm(graded):
     assert isinstance(graded.design, SlopeDesign)
     assert (graded.design.length, graded.design.ratio) == (6.0, 2.0)
+    assert graded.design.width == pytest.approx(2.0)
     before = graded.design.errors(graded.before, graded.scene)
     assert np.nanmean(before) > 0.12
     assert np.nanmax(before) < 0.26
@@ -89,10 +90,12 @@ def test_the_edge_is_where_its_goal_is_up_to_the_error_of_the_pose(graded):
     assert np.abs((graded.edge - graded.goal)[late, 3]).max() < 0.05
 
 
-def a_stroke(speed_up=1.0):
-    """A metre back and half a metre down, in the air."""
+def a_stroke():
+    """A metre back and half a metre down, in the air, at a third of the speed of a pass."""
     knots = np.array([[6.6, 0, 2.0, -1.5, 6.2], [5.6, 0, 1.5, -1.6, 5.8]])
     goals = timed(knots, tracing.PERIOD)
+    rows = np.linspace(0, len(goals) - 1, 3 * len(goals))
+    goals = np.stack([np.interp(rows, np.arange(len(goals)), column) for column in goals.T], 1)
     return Stroke("in the air", goals, np.array([0.4, 0.0, 0.0]), 1.0)
 
 
@@ -117,6 +120,47 @@ def on_its_way(tracer):
     line = np.array([1.0, 0.5]) / np.hypot(1.0, 0.5)
     off = edge[:, [0, 2]] - [6.6, 2.0]
     return np.abs(off[:, 0] * line[1] - off[:, 1] * line[0])
+
+
+def columns(tracer):
+    """Numpy columns of the tracer's log, rows of the stroke only."""
+    log = [np.array(column) for column in zip(*tracer.log, strict=True)]
+    on = np.isfinite(log[4][:, 0])
+    return on, log
+
+
+def test_the_tracks_come_to_the_stand_and_keep_reach_and_heading():
+    """From 0.6 m aside, and with an arm that begins 0.3 m further out than it should work."""
+    goals = a_stroke().goals.copy()
+    goals[:, 4] -= 0.3
+    tracer = trace(goals=goals, stand=np.array([0.4, 0.6, 0.0]))
+    on, log = columns(tracer)
+    first, last = np.flatnonzero(on)[[0, -1]]
+    assert np.abs(log[2][first, :3] - [0.4, 0.6, 0.0]).max() < 0.15
+    heading, swing = np.abs(log[2][on, 2]), np.abs(log[2][on, 3] + np.pi / 2)
+    assert heading.max() < 0.2
+    assert swing.max() < 0.25
+    assert heading[-1] < 0.1
+    q = log[2][[first, last]]
+    axis = q[:, :2] + BACKHOE.base.offset * np.c_[np.cos(q[:, 2]), np.sin(q[:, 2])]
+    reach = np.hypot(*(whole_body.hand(q)[:, :2] - axis).T)
+    assert abs(reach[-1] - 5.5) < 0.1
+    assert np.abs(log[5]).max() < 1.2  # no jump in between
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_bucket_is_emptied_on_its_side(side):
+    _, log = columns(trace(side=side))
+    swung = log[2][:, 3] + np.pi / 2
+    assert side * swung[-1] == pytest.approx(tracing.ASIDE, abs=0.03)
+    pitch = tracing.pitch_of(log[2][:, 3:], BACKHOE)
+    assert pitch[-1] == pytest.approx(-np.pi + tracing.OPENING, abs=0.05)
+
+
+def test_velocities_change_softly_within_a_stroke():
+    on, log = columns(trace())
+    change = np.diff(log[5][on], axis=0)[1:] / (tracing.SAMPLE * tracing.PERIOD)
+    assert (np.abs(change) <= tracing.SOFT * (1 + 1e-9)).all()
 
 
 def test_a_slowed_edge_stays_on_its_way_and_takes_its_time():

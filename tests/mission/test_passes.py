@@ -14,6 +14,7 @@ from backhoe.mission.passes import (
     CLEARANCE,
     CURLING,
     LANES,
+    ROUNDED,
     SPEED,
     STAND_OFF,
     Stroke,
@@ -68,8 +69,10 @@ def test_the_edge_follows_the_design_from_the_crest_to_the_foot(direction):
         along, across = design.along_across(stroke.goals[:, 0], stroke.goals[:, 1])
         assert_allclose(across, lane * BACKHOE.shell.width, atol=1e-9)
         on = (along > 0.15) & (along < design.run - 0.15)
-        assert on.sum() > 500
+        assert on.sum() > 300
         assert_allclose(stroke.goals[on, 2], along[on] / 2, atol=1e-9)
+        assert along[0] == pytest.approx(design.run + 0.1)
+        assert along[-1] == pytest.approx(-1.5)
         near_the_ends = (along > -0.5) & (along < design.run)
         height = np.maximum(along, 0) / 2
         assert (
@@ -95,9 +98,9 @@ def test_the_way_keeps_its_speeds_and_begins_and_ends_at_rest():
     speed = np.linalg.norm(np.diff(goals[:, :3], axis=0), axis=1) / T
     assert speed.max() <= SPEED * 1.001
     assert np.abs(np.diff(goals[:, 3])).max() / T <= CURLING * 1.001
-    assert speed[[0, -1]].max() < 0.05 * SPEED
+    assert speed[[0, -1]].max() < 0.1 * SPEED
     jumps = np.abs(np.diff(goals[:, :3], n=2, axis=0)).max() / T**2
-    assert jumps < 2 * SPEED / 0.3 * 1.1  # rounded corners
+    assert jumps < 2 * SPEED / ROUNDED * 1.1  # rounded corners
 
 
 def test_timed_goes_through_the_middle_of_straight_legs():

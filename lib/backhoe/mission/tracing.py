@@ -58,10 +58,10 @@ TRAVEL, BENDING, BRISK = 0.4, 0.4, 0.5
 HERE = 0.02
 """The tracks have arrived when no more is left [m]."""
 
-JOINING = 1.0
+JOINING = 0.4
 """Time in which a stroke joins its planned way from where the edge is [s]."""
 
-PATIENCE = 3.0
+PATIENCE = 8.0
 """A stroke that takes so many times as long as planned is given up [1]."""
 
 FORWARD = -pi / 2

@@ -49,8 +49,8 @@ way that is lost: enough that no speed is bought with turning tracks [1]."""
 GENTLE = 0.12
 """Share of the joints' largest speeds that a stroke may use [1]."""
 
-KEEPING = 1.0, 1.0
-"""How fast the tracks regain the reach and the heading they should have [1/s]."""
+KEEPING = np.array([3.0, 1.0, 1.0])
+"""How fast reach and heading of the tracks, and the arm's direction, are regained [1/s]."""
 
 TRAVEL, BENDING, BRISK = 0.4, 0.4, 0.5
 """Speeds of the tracks between two strokes [m/s, rad/s], and share of the joints' largest [1]."""
@@ -213,10 +213,12 @@ class Tracer:
         c, s, offset = cos(q[2]), sin(q[2]), self.machine.base.offset
         reach = hypot(h[0] - q[0] - offset * c, h[1] - q[1] - offset * s)
         dx, dy, _, _, less = (after - now) / PERIOD
-        u = dx * c + dy * s - less + KEEPING[0] * (reach - now[4])
-        turning = KEEPING[1] * (heading - q[2]), KEEPING[1] * (FORWARD - q[3])
-        preferred = np.array([u, *turning, 0.0, 0.0, 0.0])
-        return np.minimum(np.maximum(preferred, -self.fastest), self.fastest)
+        most = self.fastest
+        keeping = np.array([reach - now[4], heading - q[2], FORWARD - q[3]]) * KEEPING
+        preferred = np.zeros(6)
+        preferred[:3] = np.minimum(np.maximum(keeping, -most[:3]), most[:3])
+        preferred[0] += dx * c + dy * s - less  # at the full speed of the way, as b is
+        return preferred
 
     def _bounds(self, q: NDArray) -> tuple[NDArray, NDArray]:
         """Bounds of the six velocities: speed limits, and the joints stay in range."""

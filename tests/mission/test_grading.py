@@ -231,3 +231,31 @@ def test_an_unknown_part_and_no_function():
 
 def test_every_soil_that_stands_at_1_in_2_is_taken():
     assert all(soil.repose > np.arctan(0.5) for soil in SOILS.values())
+
+
+def scaled(J, b, preferred, lower, upper):
+    """All by one factor, so that the limits hold: right."""
+    v = whole_body.minimum_norm(J, b, preferred)
+    limit = np.where(v > 0, upper, lower)
+    ratio = np.where(v != 0, limit / np.where(v != 0, v, 1.0), 1.0)
+    return v * min(max(ratio.min(), 0.0), 1.0)
+
+
+def clipped(J, b, preferred, lower, upper):
+    return np.clip(whole_body.minimum_norm(J, b, preferred), lower, upper)
+
+
+def without_preference(J, b, preferred, lower, upper):
+    return scaled(J, b, 0 * preferred, lower, upper)
+
+
+@pytest.mark.parametrize(
+    ("part", "least", "most"),
+    [(None, 0.95, 1.0), (scaled, 0.95, 1.0), (clipped, 0.0, 0.6), (without_preference, 0.0, 0.7)],
+)
+def test_a_right_part_grades_a_short_slope_and_usual_mistakes_show(part, least, most):
+    run = mission.grade(scene=SHORT, lanes=[0.0], whole_body=part, backend="analytic")
+    assert least <= share(run) <= most
+    assert run.swapped == (() if part is None else ("whole_body",))
+    assert (run.given_up > 0) == (part is without_preference)
+    assert run.least.margin > 0.25

@@ -95,9 +95,9 @@ def within_limits() -> list[bool]:
                 return limited_velocity(J, b, lower, upper, preferred=v0, **further)
 
             given = []
-            solver, limits.quadprog = limits.quadprog, Kept(given)
+            solver, limits.solver = limits.solver, lambda given=given: kept(given)
             found = step()
-            limits.quadprog = solver
+            limits.solver = solver
             bare = quadprog.solve_qp(*given[0])[0]
             assert np.abs(bare - [*found.v, found.s]).max() < 1e-6
             times = fastest(step), fastest(lambda given=given: quadprog.solve_qp(*given[0]))
@@ -107,15 +107,14 @@ def within_limits() -> list[bool]:
     return ok
 
 
-class Kept:
-    """quadprog, that keeps what it is given."""
+def kept(given: list) -> Callable:
+    """quadprog's solver, that keeps what it is given."""
 
-    def __init__(self, given: list) -> None:
-        self.given = given
-
-    def solve_qp(self, *arguments: object) -> tuple:
-        self.given.append(arguments)
+    def solve(*arguments: object) -> tuple:
+        given.append(arguments)
         return quadprog.solve_qp(*arguments)
+
+    return solve
 
 
 def in_soil(seconds: float = 8.0) -> list[bool]:

@@ -11,6 +11,7 @@ from backhoe.simulation.protocol import World
 from backhoe.simulation.scene import FLAT, LOADING, Scene
 from backhoe.simulation.standing import Least, Tipped
 from backhoe.simulation.tracked_plant import TrackedPlant
+from backhoe.simulation.whole_body_plant import WholeBodyPlant
 
 __all__ = [
     "BACKENDS",
@@ -20,6 +21,7 @@ __all__ = [
     "Scene",
     "Tipped",
     "TrackedPlant",
+    "WholeBodyPlant",
     "World",
     "open_rover",
     "open_world",

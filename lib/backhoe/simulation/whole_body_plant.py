@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm.dynamics import terms
 from backhoe.basics.inputs import not_negative, numbers, positive
 from backhoe.machine import BACKHOE, Machine
-from backhoe.simulation import engine
 from backhoe.simulation.clock import ticks
 from backhoe.simulation.protocol import World
 from backhoe.simulation.servo import BANDWIDTH
@@ -62,6 +61,9 @@ class WholeBodyPlant:
     ) -> None:
         if getattr(world, "base", "tracks") == "fixed":
             raise ValueError("a fixed base cannot drive: open the world with tracks")
+        from backhoe.simulation import engine
+
+        self._drive = engine.speed_torque
         self.world, self.machine = world, world.machine
         self.robot = Excavator(world.machine)
         self._ticks = ticks(dt, world.dt)
@@ -114,7 +116,7 @@ class WholeBodyPlant:
         state = np.empty((2, 4))
         for _ in range(self._ticks):
             state[0], state[1] = world.q, world.dq
-            engine.speed_torque(*fixed, state, speed, dt, angle, torque)
+            self._drive(*fixed, state, speed, dt, angle, torque)
             world.step(torque, belts)
 
     def wake(self) -> None:

@@ -15,11 +15,11 @@ Solved by quadprog (Goldfarb and Idnani 1983).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-import quadprog
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import number, numbers, positive, real_numbers
@@ -31,6 +31,14 @@ SMALL = 1e-4
 
 EXACT = 1e-10
 """By how much J v may miss s b [m/s]; dependent rows of J can make it more, and are sorted out."""
+
+
+@cache
+def solver() -> Callable:
+    """quadprog's, at the first use: all but limits works where it is not installed."""
+    from quadprog import solve_qp
+
+    return solve_qp
 
 
 class Limited(NamedTuple):
@@ -93,7 +101,7 @@ def limited_velocity(
         _checked(J, b, lower, upper, v0, weights, A, c)
     v = np.empty(n)
     try:
-        x = quadprog.solve_qp(G, a, C, least, m)[0]
+        x = solver()(G, a, C, least, m)[0]
         s, missed = loops.within(J, b, lower, upper, x, v)
     except ValueError:
         missed = np.inf
@@ -145,7 +153,7 @@ def _sorted_out(G: NDArray, a: NDArray, C: NDArray, least: NDArray, m: int) -> N
     rows = rows[sizes > DEPENDENT * sizes[:1]]
     C, least = np.c_[rows.T, C[:, m:]], np.r_[np.zeros(len(rows)), least[m:]]
     try:
-        return quadprog.solve_qp(G, a, C.copy(), least, len(rows))[0]
+        return solver()(G, a, C.copy(), least, len(rows))[0]
     except ValueError as error:
         if "inconsistent" not in str(error):
             raise
@@ -166,7 +174,7 @@ def _conflict(C: NDArray, least: NDArray, m: int) -> str:
     def there_is_one(kept: list[int]) -> bool:
         equations = sum(k < m for k in kept)
         try:
-            quadprog.solve_qp(np.eye(n + 1), np.zeros(n + 1), C[:, kept], least[kept], equations)
+            solver()(np.eye(n + 1), np.zeros(n + 1), C[:, kept], least[kept], equations)
         except ValueError:
             return False
         return True

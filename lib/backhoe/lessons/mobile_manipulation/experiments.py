@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from backhoe import simulation
 from backhoe.basics.inputs import choice, flag
-from backhoe.simulation.whole_body_plant import WholeBodyPlant
 from backhoe.whole_body import (
     SLIDES,
     Following,
@@ -72,6 +70,8 @@ def backhoe(homogeneous: bool = True, backend: str = "analytic") -> Following:
     Raises:
         ValueError: another backend, or homogeneous is no bool.
     """
+    from backhoe import simulation
+
     path = sine_path(hand([0.0, 0.0, 0.0, *DIGGING]), 20, length=4.0, sideways=0.4, upwards=0.2)
 
     def back(q: np.ndarray) -> np.ndarray:
@@ -81,4 +81,4 @@ def backhoe(homogeneous: bool = True, backend: str = "analytic") -> Following:
     with simulation.open_world(
         backend=backend, scene=simulation.FLAT, soil=False, q=DIGGING
     ) as world:
-        return follow(WholeBodyPlant(world), path, W=0.8, preferred=preferred)
+        return follow(simulation.WholeBodyPlant(world), path, W=0.8, preferred=preferred)

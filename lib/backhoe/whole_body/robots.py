@@ -134,10 +134,9 @@ def hand(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:
         ValueError: q has another length, or a value is not finite.
     """
     q = posture(q, robot)
-    x, y, z = np.moveaxis(reach(q, robot), -1, 0)
-    cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
-    across = q[..., 0] + x * cosine - y * sine
-    return np.stack([across, q[..., 1] + x * sine + y * cosine, z], axis=-1)
+    at = (heading(q) @ reach(q, robot)[..., None])[..., 0]
+    at[..., :2] += q[..., :2]
+    return at
 
 
 def jacobian(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:
@@ -158,18 +157,22 @@ def jacobian(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:
         ValueError: as for `hand`.
     """
     q = posture(q, robot)
-    cosine, sine = np.cos(q[..., 2]), np.sin(q[..., 2])
-    x, y, _ = np.moveaxis(reach(q, robot), -1, 0)
-    shape = (*q.shape[:-1], 3, robot.joints)
-    arm = numbers(robot.reach_jacobian(q[..., 3:]), "reach_jacobian of the robot", shape)
-    J = np.zeros((*q.shape[:-1], 3, 2 + robot.joints))
-    J[..., 0, 0], J[..., 1, 0] = cosine, sine
-    J[..., 0, 1], J[..., 1, 1] = -x * sine - y * cosine, x * cosine - y * sine
-    cosine, sine = cosine[..., None], sine[..., None]
-    J[..., 0, 2:] = arm[..., 0, :] * cosine - arm[..., 1, :] * sine
-    J[..., 1, 2:] = arm[..., 0, :] * sine + arm[..., 1, :] * cosine
-    J[..., 2, 2:] = arm[..., 2, :]
-    return J
+    at, shape = reach(q, robot), (*q.shape[:-1], 3, robot.joints)
+    J = np.zeros((*q.shape[:-1], 3, 2 + robot.joints))  # in the platform's axes
+    J[..., 0, 0] = 1.0
+    J[..., 0, 1], J[..., 1, 1] = -at[..., 1], at[..., 0]
+    J[..., 2:] = numbers(robot.reach_jacobian(q[..., 3:]), "reach_jacobian of the robot", shape)
+    return heading(q) @ J
+
+
+def heading(q: NDArray) -> NDArray:
+    """The platform's axes in the world at a checked posture q, (..., 3 + joints) to (..., 3, 3)."""
+    R = np.zeros((*q.shape[:-1], 3, 3))
+    R[..., 0, 0] = R[..., 1, 1] = np.cos(q[..., 2])
+    R[..., 1, 0] = np.sin(q[..., 2])
+    R[..., 0, 1] = -R[..., 1, 0]
+    R[..., 2, 2] = 1.0
+    return R
 
 
 def reach(q: NDArray, robot: Robot) -> NDArray:

@@ -105,7 +105,7 @@ def test_the_tracks_creep_backwards_in_a_stroke():
 @pytest.mark.parametrize(
     ("design", "words"),
     [
-        (TrenchDesign((0, 0), width=1.3), "wider than the bucket"),
+        (TrenchDesign((0, 0), width=1.1), "wider than 1.00 m"),
         (TrenchDesign((0, 0), depth=2.5), "out of reach"),
     ],
 )

@@ -8,7 +8,7 @@ import pytest
 from backhoe import mission
 from backhoe.mission.design import SlopeDesign, TrenchDesign
 
-SHORT = TrenchDesign((4.2, 0.3), length=1.6, depth=0.2)
+SHORT = TrenchDesign((4.2, 0.3), length=2.4, depth=0.2)
 
 
 @pytest.fixture(scope="module", params=["pybullet", "analytic"])
@@ -36,8 +36,8 @@ def test_the_tracks_creep_backwards_on_ground_that_is_not_dug(run):
     reached = 4.2 + SHORT.length
     for k in range(1, len(run.strokes) + 1):
         rows = (run.stroke == k) & np.isfinite(run.goal[:, 0])
-        u = run.v[rows, 0]
-        assert u.mean() < -0.02
+        crept = run.pose[rows, 0]
+        assert crept[-1] - crept[0] < -0.5
         reached = min(reached, run.edge[rows, 0].min())
         front = run.pose[run.stroke <= k, 0] + run.machine.tracks.length / 2
         assert front.max() < reached

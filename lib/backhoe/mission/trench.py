@@ -2,11 +2,12 @@
 
 The machine stands over the line of the trench, on ground that is not dug yet, and digs towards
 itself. Each stroke takes a layer along the whole bay, goes up a ramp at its near end, and curls the
-bucket there; the last two go along the bottom itself. A trench that is longer than a bay is dug in
-several, the far one first, so the tracks never stand on what is dug.
+bucket there; the last ones, two or more, go along the bottom itself. A trench that is longer than a
+bay is dug in several, the far one first, so the tracks never stand on what is dug.
 
-Walls slump to the soil's angle of repose, and with each layer their foot moves out: a bottom of the
-bucket's width is narrower by some centimetres at each side.
+Walls slide to the soil's angle of repose, so no trench has upright ones here. Each layer takes what
+has slid in, and the foot of the walls moves out: at last it is some centimetres inside the bucket's
+width, and a bottom may not be wider than that.
 """
 
 from __future__ import annotations
@@ -23,11 +24,18 @@ from backhoe.mission.passes import Stroke, check_reach, timed
 REACH = 6.9, 3.8, 5.6
 """From the swing axis to the edge: far end at most, near end, far end at least [m]."""
 
-LOAD = 0.65
-"""Soil that a layer may have [m^3]; walls that slump add to it, and the bucket holds 0.76."""
+LOAD, WALLS = 0.75, 0.75
+"""Soil that a layer may have [m^3]: the bucket holds 0.76; and what slides in from both walls, as a
+share of the depth squared [1], half of what it is in all: the last strokes take the rest."""
 
 FINISH = 0.04
 """What the layers leave for the first of the last two strokes [m]."""
+
+AGAIN = 0.4, 0.2
+"""Below this depth the bottom is graded once more for each so many metres: walls slide in [m]."""
+
+FOOT = 0.1
+"""How far the walls slide in from each side of the bucket after the last stroke, at most [m]."""
 
 BEYOND = 0.3
 """How far behind the far end of a bay the edge goes down [m]."""
@@ -54,12 +62,13 @@ def trench_strokes(design: TrenchDesign, machine: Machine, period: float) -> lis
         period: between two goals [s].
 
     Raises:
-        ValueError: a bottom wider than the bucket, or a trench too deep for its reach.
+        ValueError: a bottom too wide for the bucket, or a trench too deep for its reach.
     """
-    if design.width > machine.shell.width:
+    widest = machine.shell.width - 2 * FOOT
+    if design.width > widest + 1e-9:
         raise ValueError(
-            f"the trench must not be wider than the bucket, {machine.shell.width:g} m, got "
-            f"{design.width:g} m: it is dug in one line"
+            f"the bottom must not be wider than {widest:.2f} m, got {design.width:g} m: it is dug "
+            "in one line, and the walls slide in at both sides of the bucket"
         )
     deepest = design.depth + max(design.fall, 0.0) * design.length
     ramp = RAMP[0] + RAMP[1] * deepest
@@ -69,8 +78,10 @@ def trench_strokes(design: TrenchDesign, machine: Machine, period: float) -> lis
         raise ValueError(f"a trench {deepest:.2f} m deep is out of reach behind its ramp")
     bays = ceil(design.length / longest - 1e-9)
     size = design.length / bays
-    layers = max(ceil(machine.shell.width * deepest * (size + ramp) / LOAD), 1)
-    above = [*np.linspace(deepest, 0.0, layers + 1)[1:-1], FINISH, 0.0, 0.0]
+    section = machine.shell.width * deepest + WALLS * deepest**2
+    layers = ceil(section * (size + ramp) / LOAD)
+    last = 2 + ceil(max(deepest - AGAIN[0], 0.0) / AGAIN[1] - 1e-9)
+    above = [*np.linspace(deepest, 0.0, layers + 1)[1:-1], FINISH, *np.zeros(last)]
     strokes = []
     for bay in reversed(range(bays)):
         near, far = bay * size, (bay + 1) * size

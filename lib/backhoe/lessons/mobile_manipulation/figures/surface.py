@@ -67,6 +67,8 @@ def error_map(
 ) -> Figure:
     """Errors of a finished surface from above; the title says which share is within the tolerance.
 
+    The panels stand side by side, those of a long strip along x one below the other.
+
     Args:
         x, y: of the cells' middles, shapes (columns,) and (rows,) [m].
         panels: title -> soil minus design, NaN where it does not count, shape (rows, columns) [m].
@@ -76,20 +78,26 @@ def error_map(
         ValueError: no panel, shapes that do not fit, or no cell that counts.
     """
     x, y = numbers(x, "x", ("columns",)), numbers(y, "y", ("rows",))
-    fig, axes = _panels(panels, "error_map", 3.2)
-    for ax, (title, errors) in zip(axes, panels.items(), strict=True):
-        errors = numbers(errors, title, (len(y), len(x)), finite=False)
-        there = np.isfinite(errors)
-        if not there.any():
+    shape = (len(y), len(x))
+    maps = {t: numbers(errors, t, shape, finite=False) for t, errors in panels.items()}
+    for title, errors in maps.items():
+        if not np.isfinite(errors).any():
             raise ValueError(f"no cell of {title!r} has an error: all are NaN")
-        rows, columns = (np.flatnonzero(there.any(axis=axis)) for axis in (1, 0))
-        part = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    there = np.any([np.isfinite(errors) for errors in maps.values()], axis=0)
+    rows, columns = (np.flatnonzero(there.any(axis=axis)) for axis in (1, 0))
+    part = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
+    strip = np.ptp(x[part[1]]) > 3 * np.ptp(y[part[0]])
+    fig, axes = _panels(maps, "error_map", 3.2, strip)
+    for ax, (title, errors) in zip(axes, maps.items(), strict=True):
         mesh = ax.pcolormesh(x[part[1]], y[part[0]], errors[part], **_colours(tolerance))
-        share = 100 * (np.abs(errors[there]) <= tolerance).mean()
+        share = 100 * (np.abs(errors[np.isfinite(errors)]) <= tolerance).mean()
         ax.set_title(f"{title}: {share:.1f} % within {100 * tolerance:.0f} cm", fontsize=10)
-        ax.set(aspect="equal", xlabel="$x$ [m]", facecolor=PALE)
+        ax.set(aspect="equal", facecolor=PALE)
         ax.grid(False)
-    axes[0].set_ylabel("$y$ [m]")
+    for ax in axes[-1:] if strip else axes:
+        ax.set_xlabel("$x$ [m]")
+    for ax in axes if strip else axes[:1]:
+        ax.set_ylabel("$y$ [m]")
     _colour_bar(fig, mesh, list(axes), tolerance)
     return fig
 
@@ -129,13 +137,16 @@ def trench_section(
     return fig
 
 
-def _panels(panels: Mapping, name: str, high: float) -> tuple[Figure, NDArray]:
+def _panels(
+    panels: Mapping, name: str, high: float, stacked: bool = False
+) -> tuple[Figure, NDArray]:
     if not panels:
         raise ValueError(f"{name} needs at least one panel")
-    fig, axes = figure(7.4, high, 1, len(panels), squeeze=False, sharex=True, sharey=True)
-    for ax, title in zip(axes[0], panels, strict=True):
+    grid = (len(panels), 1) if stacked else (1, len(panels))
+    fig, axes = figure(7.4, high, *grid, squeeze=False, sharex=True, sharey=True)
+    for ax, title in zip(axes.flat, panels, strict=True):
         ax.set_title(title, fontsize=10)
-    return fig, axes[0]
+    return fig, axes.ravel()
 
 
 def _corners(middles: NDArray) -> NDArray:

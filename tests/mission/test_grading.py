@@ -57,7 +57,7 @@ def test_all_soil_is_somewhere(graded):
 
 
 def test_the_machine_keeps_its_balance(graded):
-    assert graded.least.margin > 0.15
+    assert graded.least.margin > 0.3
     assert graded.margin.min() >= graded.least.margin - 1e-9
 
 
@@ -71,8 +71,7 @@ def test_tracks_and_arm_both_move_and_no_bound_is_passed(graded):
         assert (speeds <= np.array(fastest) * (1 + 1e-9)).all()
         lower, upper = BACKHOE.lower - 0.01, BACKHOE.upper + 0.01
         assert ((graded.q[on] > lower) & (graded.q[on] < upper)).all()
-        slowed = graded.share[on] < 0.99
-        assert 0.2 < slowed.mean() < 0.95  # limits are felt
+        assert 0.3 < graded.share[on].mean() < 0.6  # limits are felt: the way is planned faster
     assert graded.violations == 0
     assert graded.given_up == 0
 

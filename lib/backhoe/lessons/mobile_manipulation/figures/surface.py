@@ -80,17 +80,18 @@ def error_map(
     x, y = numbers(x, "x", ("columns",)), numbers(y, "y", ("rows",))
     shape = (len(y), len(x))
     maps = {t: numbers(errors, t, shape, finite=False) for t, errors in panels.items()}
-    for title, errors in maps.items():
-        if not np.isfinite(errors).any():
+    counts = {title: np.isfinite(errors) for title, errors in maps.items()}
+    for title, there in counts.items():
+        if not there.any():
             raise ValueError(f"no cell of {title!r} has an error: all are NaN")
-    there = np.any([np.isfinite(errors) for errors in maps.values()], axis=0)
+    there = np.any(list(counts.values()), axis=0)
     rows, columns = (np.flatnonzero(there.any(axis=axis)) for axis in (1, 0))
     part = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     strip = np.ptp(x[part[1]]) > 3 * np.ptp(y[part[0]])
     fig, axes = _panels(maps, "error_map", 3.2, strip)
     for ax, (title, errors) in zip(axes, maps.items(), strict=True):
         mesh = ax.pcolormesh(x[part[1]], y[part[0]], errors[part], **_colours(tolerance))
-        share = 100 * (np.abs(errors[np.isfinite(errors)]) <= tolerance).mean()
+        share = 100 * (np.abs(errors[counts[title]]) <= tolerance).mean()
         ax.set_title(f"{title}: {share:.1f} % within {100 * tolerance:.0f} cm", fontsize=10)
         ax.set(aspect="equal", facecolor=PALE)
         ax.grid(False)

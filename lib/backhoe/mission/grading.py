@@ -280,7 +280,7 @@ def _run(
         pose=q[:, :3],
         estimate=estimate,
         q=q[:, 3:],
-        edge=np.column_stack([hand(q), pitch_of(q[:, 3:], world.machine)]),
+        edge=np.column_stack([hand(q, tracer.plant.robot), pitch_of(q[:, 3:], world.machine)]),
         goal=goal,
         v=v,
         share=share,

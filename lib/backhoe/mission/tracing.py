@@ -22,7 +22,7 @@ from backhoe.mission.passes import Stroke, edge_posture
 from backhoe.mission.records import recorder_of
 from backhoe.simulation.protocol import World
 from backhoe.simulation.whole_body_plant import WholeBodyPlant
-from backhoe.whole_body import hand, jacobian, joint_bounds, limited_velocity
+from backhoe.whole_body import hand, jacobian, joint_bounds, limited_velocity, wanted_velocity
 
 PERIOD = 0.01
 """Of the whole-body controller [s]."""
@@ -180,8 +180,8 @@ class Tracer:
 
     def _trace(self, stroke: Stroke) -> Iterator[NDArray]:
         """Velocities that lead the edge along a stroke."""
-        q = self.q
-        goals, clock, heading = _from(hand(q), stroke.goals), 0.0, stroke.stand[2]
+        q, robot = self.q, self.plant.robot
+        goals, clock, heading = _from(hand(q, robot), stroke.goals), 0.0, stroke.stand[2]
         steps, last = np.diff(goals, axis=0), len(goals) - 2
         J, h = np.zeros((4, 6)), np.zeros(4)
         J[3, 3:] = 1.0
@@ -190,8 +190,9 @@ class Tracer:
                 return
             k, q = int(clock), self.q
             now, after = goals[k : k + 2] + (clock - k) * steps[k : k + 2]
-            J[:3], h[:3], h[3] = jacobian(q), hand(q), pitch_of(q[3:], self.machine)
-            b = (after[:4] - W * (now[:4] - h) - h) / PERIOD
+            J[:3], h[:3] = jacobian(q, robot), hand(q, robot)
+            h[3] = pitch_of(q[3:], self.machine)
+            b = wanted_velocity(h, now[:4], after[:4], W, PERIOD)
             preferred = self._preferred(q, h, now, after, heading)
             lower, upper = self._bounds(q)
             asked = self._part(J, b, preferred, lower, upper)

@@ -3,10 +3,13 @@ a step within limits needs: arithmetic without checks."""
 
 from __future__ import annotations
 
-from math import isfinite, sqrt
+from math import inf, isfinite, sqrt
 
 DEPENDENT = 1e-14
 """A row of J is a sum of those before where this share of its square, or less, is left [1]."""
+
+ROUNDING = 1e-28
+"""A row, or what is left of it, whose square is this share of another's or less is rounding [1]."""
 
 WITHIN = 1e9
 """What the programme takes of any value, of its own unit: quadprog may not end with larger ones."""
@@ -27,7 +30,7 @@ def solve(J, b, preferred, damping, v, L, y):
 def solve_sized(J, b, preferred, damping, v, L, y, m, n):
     """`solve` with its m and n."""
     for i in range(len(J)):
-        A, x, least = J[i], v[i], 1.0
+        A, x, least, smallest, largest = J[i], v[i], 1.0, inf, 0.0
         for row in range(m):
             for column in range(row):
                 product = 0.0
@@ -45,7 +48,10 @@ def solve_sized(J, b, preferred, damping, v, L, y, m, n):
             if not product > DEPENDENT * square:
                 return i
             least = min(least, product / square)
+            smallest, largest = min(smallest, product), max(largest, square)
             L[row, row] = 1.0 / sqrt(product)
+        if not smallest > ROUNDING * largest:
+            return i
         for k in range(n):
             x[k] = preferred[i, k]
         # What rounding leaves near a singularity, further rounds take away.

@@ -27,27 +27,27 @@ def wanted_velocity(
     T^2 is left. Source: Sasig and Chicaiza 2017, (4) and (5).
 
     Args:
-        h: the hand, shape (..., 3) [m].
-        goal, next_goal: where it should be now and after the step, shapes (..., 3) [m].
-        W: share of the error that a step leaves, of each direction or of all, shape (3,) or (), at
+        h: the hand, shape (..., m): a point [m], or a point and angles [m, rad].
+        goal, next_goal: where it should be now and after the step, shapes (..., m).
+        W: share of the error that a step leaves, of each direction or of all, shape (m,) or (), at
             least 0 and below 1; near 0 is quick, near 1 slow, and 0 itself asks for the whole
             error to be gone after one step.
         T: the step [s].
         fastest: speed of the goal above which the path jumps [m/s]; not looked at if None.
 
     Returns:
-        Wanted velocity of the hand, shape (..., 3) [m/s].
+        Wanted velocity of the hand, shape (..., m) [m/s, rad/s].
 
     Raises:
         ValueError: shapes that do not fit, values that are not finite, W outside [0, 1), T or
             fastest not positive, or a goal that jumps; the message names the step.
     """
-    h = numbers(h, "h", (..., 3), meaning="a point [m]")
+    h = numbers(h, "h", (..., "m"), meaning="a point [m]")
     goal = numbers(goal, "goal", h.shape, meaning="like h")
     next_goal = numbers(next_goal, "next_goal", h.shape, meaning="like h")
     W, T = numbers(W, "W"), positive(T, "T", "s")
-    if W.shape not in ((), (3,)):
-        raise ValueError(f"W must be one number or three, one a direction, got shape {W.shape}")
+    if W.shape not in ((), h.shape[-1:]):
+        raise ValueError(f"W must be one number, or one a direction, got shape {W.shape}")
     if (W < 0).any() or (W >= 1).any():
         worst = W.flat[int(np.argmax(np.abs(W - 0.5)))]
         raise ValueError(
@@ -60,7 +60,7 @@ def wanted_velocity(
 
 
 def _no_jump(way: NDArray, most: float) -> None:
-    """ValueError if a way from goal to goal, shape (..., 3) [m], is longer than it may be."""
+    """ValueError if a way from goal to goal, shape (..., m) [m], is longer than it may be."""
     lengths = np.linalg.norm(way, axis=-1)
     if (lengths > most).any():
         at = tuple(map(int, np.unravel_index((lengths > most).argmax(), lengths.shape)))

@@ -322,3 +322,26 @@ def test_a_robot_that_gives_something_else_is_told(change, message):
     vars(robot).update(change)
     with pytest.raises(ValueError, match=message):
         jacobian(np.zeros(4), robot)
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-15])
+def test_an_upright_arm_has_lost_a_direction(bend):
+    """The sine of a right angle's rounding is no lever: 3e-17 would ask for 1e15 rad/s."""
+    J = jacobian([0, 0, 0, 0.3, np.pi / 2, bend], SLIDES)
+    with pytest.raises(ValueError, match="depend on each other"):
+        minimum_norm(J, [0, 0, 0.1])
+    with pytest.raises(ValueError, match="depend on each other"):
+        minimum_norm([[1, 0, 0], [0, 0, 0]], [1, 1])
+    assert np.abs(minimum_norm(J, [0, 0, 0.1], damping=0.05)).max() <= 1.0
+
+
+def test_velocities_of_any_number_of_rows_are_wanted_alike():
+    h, goal, after = np.arange(4.0), np.full(4, 2.0), np.full(4, 2.5)
+    W = np.array([0.0, 0.2, 0.5, 0.9])
+    each = [
+        wanted_velocity(h[k : k + 1], goal[k : k + 1], after[k : k + 1], W[k], 0.1)
+        for k in range(4)
+    ]
+    assert_allclose(wanted_velocity(h, goal, after, W, 0.1), np.concatenate(each))
+    with pytest.raises(ValueError, match="one a direction"):
+        wanted_velocity(h, goal, after, W[:3], 0.1)

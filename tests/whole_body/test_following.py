@@ -312,3 +312,10 @@ def test_any_solution_may_be_given():
         for solve in (minimum_norm, least)
     ]
     assert_allclose(*ends, atol=1e-9)
+
+
+def test_a_path_can_be_compared_and_kept():
+    """Its arrays are not: two paths are alike only if they are one."""
+    one, other = sine_path([0, 0, 0]), sine_path([0, 0, 0])
+    assert one == one and one != other
+    assert len({one, other, one}) == 2

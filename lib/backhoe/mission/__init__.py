@@ -6,6 +6,7 @@ map of the work, `grade()` draws a slope; `run(name=mine)` swaps a part in, and 
 run beside the same run with the library's parts only. This is the one package that knows all parts.
 """
 
+from backhoe.mission.design import SlopeDesign, TrenchDesign
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
 from backhoe.mission.loading import Run, run
@@ -23,6 +24,7 @@ from backhoe.mission.parts import (
 from backhoe.mission.recorded import drive_the_machine
 from backhoe.mission.route import default_route
 from backhoe.mission.score import DriveScore, Score, SurveyScore, score
+from backhoe.mission.surface import SurfaceScore
 from backhoe.mission.surveying import SurveyRun, survey
 
 __all__ = [
@@ -36,8 +38,11 @@ __all__ = [
     "Part",
     "Run",
     "Score",
+    "SlopeDesign",
+    "SurfaceScore",
     "SurveyRun",
     "SurveyScore",
+    "TrenchDesign",
     "WayPoint",
     "default_route",
     "drive",

@@ -21,7 +21,7 @@ from backhoe.basics.inputs import number, numbers, positive
 NONE = ((0.0, 0.0, 0.0),)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class HandPath:
     """Where the hand should be at each time; call it, or ask its `velocity`.
 

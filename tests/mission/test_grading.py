@@ -56,6 +56,19 @@ def test_all_soil_is_somewhere(graded):
     assert moved[aside].sum() > 1.2  # is where the bucket was emptied
 
 
+def test_the_replays_camera_sees_machine_and_slope(graded):
+    """All places of edge and vehicle during the strokes are in a picture of 40 by 70 degrees."""
+    eye, target = graded._drawn()["camera"]
+    ahead = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(ahead, [0, 0, 1]) / np.hypot(*ahead[:2])
+    at_work = np.isfinite(graded.goal[:, 0])
+    vehicle = np.c_[graded.pose[:, :2], np.zeros(len(graded.pose))]
+    rays = np.concatenate([graded.edge[:, :3], vehicle])[np.r_[at_work, at_work]] - eye
+    depth = rays @ ahead
+    assert np.degrees(np.arctan2(np.abs(rays @ np.cross(right, ahead)), depth)).max() < 20
+    assert np.degrees(np.arctan2(np.abs(rays @ right), depth)).max() < 35
+
+
 def test_the_machine_keeps_its_balance(graded):
     assert graded.least.margin > 0.3
     assert graded.margin.min() >= graded.least.margin - 1e-9
@@ -210,7 +223,7 @@ SHORT = replace(GRADING, bank=replace(GRADING.bank, length=3.0))
         ({"soil": "dust"}, "soil"),
         ({"lanes": []}, "lanes"),
         ({"pose": (4.0, 0.0, 0.0)}, "pose must be 1 m or more before"),
-        ({"pose": (0.0, 0.0, 2.0)}, "face the bank"),
+        ({"pose": (0.0, 0.0, 2.0)}, "face the work"),
         ({"scene": replace(GRADING, bank=replace(GRADING.bank, ratio=1.2))}, "does not stand"),
         ({"scene": replace(GRADING, bank=replace(GRADING.bank, length=8.0))}, "out of reach"),
         ({"whole_body": lambda *given: np.zeros(5), "scene": SHORT, "lanes": [0]}, "whole_body"),

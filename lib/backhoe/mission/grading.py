@@ -102,6 +102,16 @@ class GradingRun(Record):
         """Share of the strokes' periods in which the part asked for more than the bounds [1]."""
         return float(np.mean(self.excess > 1e-6)) if len(self.excess) else 0.0
 
+    def _drawn(self) -> dict[str, object]:
+        """A camera aside that sees the machine and all of the work."""
+        ends = self.design.point([0.0, self.design.run])
+        seen = np.vstack([ends, np.c_[self.pose[:, :2], np.ones(len(self.pose))]])
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        c, s = np.cos(self.design.direction), np.sin(self.design.direction)
+        target, size = (low + high) / 2, float(np.hypot(*(high - low)[:2])) + 4.0
+        eye = target + size * np.array([0.55 * s - 0.5 * c, -0.55 * c - 0.5 * s, 0.5])
+        return {"camera": (eye, target)}
+
 
 def grade(
     *,

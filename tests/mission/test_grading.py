@@ -111,11 +111,11 @@ def a_stroke():
     return Stroke("in the air", goals, np.array([0.4, 0.0, 0.0]), 1.0)
 
 
-def trace(part=None, **changes):
+def trace(part=None, machine=BACKHOE, **changes):
     """The tracer after one stroke in the air, on the truth."""
     stroke = replace(a_stroke(), **changes)
     q = np.radians([-90, 20, 10, 30.0])
-    with simulation.open_world(backend="analytic", scene=FLAT, q=q) as world:
+    with simulation.open_world(machine, backend="analytic", scene=FLAT, q=q) as world:
         world.reset(pose=(-0.8, 0.0, 0.0))
         parts = {} if part is None else {"whole_body": part}
         tracer = tracing.Tracer(world, parts, None, 0, False)
@@ -128,7 +128,7 @@ def on_its_way(tracer):
     q, goal = (np.array(column) for column in list(zip(*tracer.log, strict=True))[2:5:2])
     on = np.flatnonzero(np.isfinite(goal[:, 0]))
     on = on[len(on) // 2 :]
-    edge = whole_body.hand(q[on])
+    edge = whole_body.hand(q[on], tracer.plant.robot)
     line = np.array([1.0, 0.5]) / np.hypot(1.0, 0.5)
     off = edge[:, [0, 2]] - [6.6, 2.0]
     return np.abs(off[:, 0] * line[1] - off[:, 1] * line[0])
@@ -188,6 +188,13 @@ def test_a_slowed_edge_stays_on_its_way_and_takes_its_time():
     assert slow.given_up == 0
 
 
+def test_another_machine_leads_its_own_edge():
+    longer = replace(BACKHOE, stick=replace(BACKHOE.stick, length=2.2))
+    off = on_its_way(trace(machine=longer))
+    assert off.max() < 0.02
+    assert off.max() < 2 * on_its_way(trace()).max()
+
+
 def test_a_part_that_never_moves_is_given_up_in_the_end():
     tracer = trace(lambda J, b, preferred, lower, upper: np.zeros(6))
     assert tracer.given_up == 1
@@ -223,6 +230,8 @@ SHORT = replace(GRADING, bank=replace(GRADING.bank, length=3.0))
         ({"soil": "dust"}, "soil"),
         ({"lanes": []}, "lanes"),
         ({"pose": (4.0, 0.0, 0.0)}, "pose must be 1 m or more before"),
+        ({"pose": "here"}, "pose must be"),
+        ({"pose": (0.0, 0.0)}, "x, y, heading"),
         ({"pose": (0.0, 0.0, 2.0)}, "face the work"),
         ({"scene": replace(GRADING, bank=replace(GRADING.bank, ratio=1.2))}, "does not stand"),
         ({"scene": replace(GRADING, bank=replace(GRADING.bank, length=8.0))}, "out of reach"),
@@ -239,6 +248,8 @@ def test_an_unknown_part_and_no_function():
         mission.grade(wholebody=lambda *given: np.zeros(6))
     with pytest.raises(TypeError, match="whole_body"):
         mission.grade(whole_body=3)
+    with pytest.raises(TypeError, match="machine"):
+        mission.grade(machine="backhoe")
 
 
 def test_every_soil_that_stands_at_1_in_2_is_taken():

@@ -168,6 +168,8 @@ def grade(
     fixes = None if fixes is None else positive(fixes, "fixes", "s")
     seed = whole(seed, "seed", least=0)
     soil = soil_of("sandy loam" if soil is None else soil)
+    instance(machine, "machine", Machine)
+    pose = None if pose is None else numbers(pose, "pose", (3,), meaning="x, y, heading")
     lanes = tuple(numbers(lanes, "lanes", ("n",), meaning="shares of the bucket's width").tolist())
     width = (max(lanes) - min(lanes) + 1) * machine.shell.width - 2 * BORDER
     scene = {"slope": GRADING, "trench": TRENCHING}[job] if scene is None else scene
@@ -192,7 +194,7 @@ def grade(
         "soil": soil,
         "machine": machine,
         "backend": backend,
-        "pose": None if pose is None else tuple(np.asarray(pose, dtype=float).tolist()),
+        "pose": None if pose is None else tuple(np.array(pose).tolist()),
         "seed": seed,
         "fixes": fixes,
         "odometry": None if odometry is None else LIBRARY,

@@ -23,7 +23,10 @@ LESSONS = {
     "7": "ekf",
     "8": "stereo",
     "9": "voxel_map",
+    "10": "primitives",
+    "11": "planning",
     "12": "mobile_manipulation",
+    "14": "autonomy",
 }
 
 

@@ -1,0 +1,7 @@
+"""Exercises of sitting decisions."""
+
+from backhoe.lessons.exercise import Exercise
+
+__all__ = ["EXERCISES"]
+
+EXERCISES: tuple[Exercise, ...] = ()

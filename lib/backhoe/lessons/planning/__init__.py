@@ -1,0 +1,1 @@
+"""What serves lessons 11a and 11b, planning."""

@@ -1,0 +1,1 @@
+"""What serves lessons 10a, 10b and 10c, movement primitives."""

@@ -1,0 +1,7 @@
+"""Exercises of sitting improvement."""
+
+from backhoe.lessons.exercise import Exercise
+
+__all__ = ["EXERCISES"]
+
+EXERCISES: tuple[Exercise, ...] = ()

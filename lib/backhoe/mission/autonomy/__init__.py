@@ -1,0 +1,1 @@
+"""The whole mission alone: look, choose, dig, load, until the truck is full."""

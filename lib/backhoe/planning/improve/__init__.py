@@ -1,0 +1,1 @@
+"""Better by practice: searches that need only the cost of a try."""

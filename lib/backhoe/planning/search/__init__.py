@@ -1,0 +1,1 @@
+"""Ways around obstacles: on grids, in the plane and for the arm."""

@@ -7,4 +7,3 @@ from __future__ import annotations
 # new_goals
 
 # improvement
-

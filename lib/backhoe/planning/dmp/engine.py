@@ -5,13 +5,14 @@ from __future__ import annotations
 from backhoe.basics.engine import compiled
 from backhoe.planning.dmp import loops
 
-reach, kernels, weighed, products, mixed, differences, parabolas, follow = compiled(
+reach, kernels, weighed, products, mixed, differences, wanted, parabolas, follow = compiled(
     loops.reach,
     loops.kernels,
     loops.weighed,
     loops.products,
     loops.mixed,
     loops.differences,
+    loops.wanted,
     loops.parabolas,
     loops.follow,
 )

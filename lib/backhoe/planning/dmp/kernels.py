@@ -93,9 +93,10 @@ class Basis:
         """f at each sample, shape (m, d), for weights (count, d), of their unit."""
         from backhoe.planning.dmp import engine
 
+        weights, d = _in_fours(weights)
         f = np.empty((len(self.s), weights.shape[1]))
-        engine.mixed(self.first, self.offsets, self.values, np.ascontiguousarray(weights), f)
-        return f
+        engine.mixed(self.first, self.offsets, self.values, weights, f)
+        return f[:, :d]
 
     def dense(self) -> NDArray:
         """F_i(s) of (6.6), shape (m, count) [1]."""
@@ -110,9 +111,10 @@ class Basis:
         shape (m,) [1], is `totals` for s psi_i itself."""
         from backhoe.planning.dmp import engine
 
+        y, d = _in_fours(y)
         sums = np.zeros((self.count, y.shape[1]))
         engine.weighed(self.first, self.offsets, self.values, by, y, sums)
-        return sums
+        return sums[:, :d]
 
     @cached_property
     def squares(self) -> NDArray:
@@ -126,13 +128,23 @@ class Basis:
 
         sums = np.zeros((self.count, self.count))
         engine.products(self.first, self.offsets, self.values, sums)
-        return sums / len(self.s)
+        return (sums + np.triu(sums, 1).T) / len(self.s)
 
     def solver(self, ridge: float) -> NDArray:
         """Inverse of gram + ridge, shape (count, count) [1], kept for the next fit."""
         if ridge not in self.inverses:
             self.inverses[ridge] = np.linalg.inv(self.gram + ridge * np.eye(self.count))
         return self.inverses[ridge]
+
+
+def _in_fours(table: NDArray) -> tuple[NDArray, int]:
+    """The table, shape (m, d), with columns of zeros up to the next four, and d."""
+    m, d = table.shape
+    if d % 4 == 0:
+        return np.ascontiguousarray(table), d
+    wide = np.zeros((m, d + -d % 4))
+    wide[:, :d] = table
+    return wide, d
 
 
 @lru_cache(maxsize=16)

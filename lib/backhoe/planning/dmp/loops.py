@@ -45,34 +45,39 @@ def kernels(u, s, centres, widths, first, offsets, values, totals):
 
 
 def weighed(first, offsets, values, by, y, sums):
-    """sum over the samples of value * by * y, into sums (n, d); by (m,), y (m, d)."""
-    d = y.shape[1]
-    for k in range(len(first)):
-        for j in range(offsets[k], offsets[k + 1]):
-            i, one = first[k] + j - offsets[k], values[j] * by[k]
-            for c in range(d):
-                sums[i, c] += one * y[k, c]
+    """sum over the samples of value * by * y, into sums (n, d); by (m,), y (m, d), d in fours."""
+    for c in range(0, y.shape[1], 4):
+        for k in range(len(first)):
+            to = first[k] - offsets[k]
+            y0, y1, y2, y3 = y[k, c], y[k, c + 1], y[k, c + 2], y[k, c + 3]
+            for j in range(offsets[k], offsets[k + 1]):
+                one = values[j] * by[k]
+                sums[to + j, c] += one * y0
+                sums[to + j, c + 1] += one * y1
+                sums[to + j, c + 2] += one * y2
+                sums[to + j, c + 3] += one * y3
 
 
 def products(first, offsets, values, sums):
-    """sum over the samples of the product of two values, into sums (n, n)."""
+    """sum over the samples of the product of two values, into the upper half of sums (n, n)."""
     for k in range(len(first)):
         begin, end, n = offsets[k], offsets[k + 1], first[k]
         for i in range(begin, end):
-            for j in range(begin, end):
+            for j in range(i, end):
                 sums[n + i - begin, n + j - begin] += values[i] * values[j]
 
 
 def mixed(first, offsets, values, weights, f):
-    """f = sum of the weights (n, d) times the normed kernels, into f (m, d)."""
-    d = weights.shape[1]
-    for k in range(len(first)):
-        for c in range(d):
-            f[k, c] = 0.0
-        for j in range(offsets[k], offsets[k + 1]):
-            i = first[k] + j - offsets[k]
-            for c in range(d):
-                f[k, c] += values[j] * weights[i, c]
+    """f (m, d) = sum of the weights (n, d) times the normed kernels; d in fours."""
+    for c in range(0, f.shape[1], 4):
+        for k in range(len(first)):
+            to, f0, f1, f2, f3 = first[k] - offsets[k], 0.0, 0.0, 0.0, 0.0
+            for j in range(offsets[k], offsets[k + 1]):
+                f0 += values[j] * weights[to + j, c]
+                f1 += values[j] * weights[to + j, c + 1]
+                f2 += values[j] * weights[to + j, c + 2]
+                f3 += values[j] * weights[to + j, c + 3]
+            f[k, c], f[k, c + 1], f[k, c + 2], f[k, c + 3] = f0, f1, f2, f3
 
 
 def differences(t, x, v, a):
@@ -86,6 +91,15 @@ def differences(t, x, v, a):
             a[k, c] = 2.0 * (right - left) / (before + after)
             middle = (left * after + right * before) / (before + after)
             v[k, c] = middle + a[k, c] * (t[k] - t[i])
+
+
+def wanted(x, v, a, s, start, goal, by_v, by_a, f):
+    """f = u - g + (g - x0) s into f (m, d), with u = x + by_v v + by_a a; s (m,)."""
+    m, d = x.shape
+    for k in range(m):
+        for c in range(d):
+            u = x[k, c] + by_v * v[k, c] + by_a * a[k, c]
+            f[k, c] = u - goal[c] + (goal[c] - start[c]) * s[k]
 
 
 def parabolas(t, x, half, y, v, a):

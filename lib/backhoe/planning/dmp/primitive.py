@@ -121,13 +121,15 @@ class DMP:
 
     def forcing(self, shown: Demonstration, basis: Basis) -> NDArray:
         """f that would have moved the spring as shown, shape (m, d) [unit]: (6.8)."""
-        ratio = self.tau * shown.duration / self.duration
-        scale = ratio / self.stiffness
-        u = shown.x + scale * ratio * shown.a + scale * self.damping * shown.v
-        start, goal = shown.x[0], shown.x[-1]
-        if self.formulation != "ijspeert":
-            return u - goal + basis.s[:, None] * (goal - start)
-        return (u - goal) / displacement(start, goal, 'formulation "ijspeert"')
+        from backhoe.planning.dmp import engine
+
+        tau = self.tau * shown.duration / self.duration
+        by_v, by_a = tau * self.damping / self.stiffness, tau**2 / self.stiffness
+        start, goal, f = shown.x[0], shown.x[-1], np.empty(shown.x.shape)
+        old = self.formulation == "ijspeert"
+        s = np.zeros(len(f)) if old else basis.s
+        engine.wanted(shown.x, shown.v, shown.a, s, start, goal, by_v, by_a, f)
+        return f / displacement(start, goal, 'formulation "ijspeert"') if old else f
 
     def with_weights(self, weights: ArrayLike) -> DMP:
         """The same primitive with other weights, shape (kernels, d) [unit]; ValueError if not."""
@@ -239,7 +241,8 @@ class DMP:
             return goal + (goal - start) * f
         if self.formulation == "hoffmann":
             return (1 - s) * goal + s * (f / s + start)
-        return goal - (goal - start) * s + f
+        f += goal - (goal - start) * s
+        return f
 
     def _learnt(self) -> DMP:
         if not hasattr(self, "weights"):

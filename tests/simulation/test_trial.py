@@ -150,7 +150,7 @@ def test_a_dense_soil_weighs_on_the_joints(tried):
         (PATH, TIMES[:-1], "path must"),
         (PATH, 0.0, "times must"),
         (PATH, 0.0001, "must last"),
-        (PATH + [4.0, 0, 0, 0], TIMES, "s after its start: .*out"),
+        (PATH + np.array([4.0, 0, 0, 0]), TIMES, "s after its start: .*out"),
     ],
 )
 def test_bad_paths_are_named(path, times, message):

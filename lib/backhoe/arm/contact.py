@@ -1,4 +1,4 @@
-"""What the joints feel of a push at the bucket's tip, and the push that the joints' torques tell of.
+"""What the joints feel of a push at the bucket's tip, and what their torques tell of that push.
 
 Soil pushes the tip with a force F and, about the tip, with a moment N that would raise the bucket's
 pitch. Both do work: F dx + N dp = w dX with w = (F, N), X the tip's place and the bucket's pitch.

@@ -1,4 +1,10 @@
-"""Ways around obstacles: on grids, in the plane and for the arm."""
+"""Ways around obstacles: on grids, in the plane and for the arm.
+
+- `grid`: A*; `potential`: a field's slope; `tangent`: the exact shortest way in the plane
+- `roadmap`, `trees`, `connect`: PRM, RRT and RRT*, RRT-Connect; `smoothing`: shortcuts
+- `checker`: what they ask, with a time limit; `arm_world`: the arm among obstacles; `engine`
+  compiles RRT-Connect for it from `grow` and `arm_loops`
+"""
 
 from __future__ import annotations
 
@@ -8,11 +14,24 @@ from backhoe.planning.search.timing import Timed, in_time, segment_times
 
 __all__ = [
     "ArmWorld",
+    "Descent",
     "LevelWorld",
+    "Log",
+    "NoPath",
     "Relief",
     "Timed",
+    "astar",
+    "best_first",
     "few_spheres",
     "in_time",
+    "path_length",
     "pitch",
+    "potential",
+    "prm",
+    "rrt",
+    "rrt_connect",
+    "rrt_star",
     "segment_times",
+    "shortcut",
+    "steer",
 ]

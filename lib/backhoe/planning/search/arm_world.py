@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm.kinematics import link_transforms
 from backhoe.basics.inputs import instance, not_negative, number, numbers, positive, short, whole
 from backhoe.machine import BACKHOE, JOINTS, Machine
+from backhoe.planning.search.arm_loops import World
 
 HELD_OFF = ("stick", "bucket")
 """Links that could meet the machine's own body; the boom is fastened to it."""
@@ -51,6 +52,7 @@ class ArmWorld:
 
     Attributes:
         lower, upper: the joints' limits, shape (4,) [rad].
+        numbers: all of it as arrays, for `engine`'s loops.
 
     Raises:
         ValueError: other links, shapes, a value that is not finite, a box with its corners the
@@ -90,6 +92,7 @@ class ArmWorld:
         self._relief, self._steep = _checked(relief)
         self.margin = not_negative(margin, "margin", "m")
         self.lower, self.upper = machine.lower, machine.upper
+        self.numbers = self._for_loops()
 
     def middles(self, q: ArrayLike) -> NDArray:
         """Where the spheres' middles are, shape (..., spheres, 3) [m].
@@ -147,6 +150,28 @@ class ArmWorld:
             turned = np.einsum("nji,nkj->nki", T[:, :3, :3], points[:, off] - T[:, None, :3, 3])
             gap[:, off] = np.minimum(gap[:, off], _to_boxes(turned, self._house))
         return (gap - self._radii).min(axis=1)
+
+    def _for_loops(self) -> World:
+        base, swing, links = self.machine.base, self.machine.swing, self.machine.links
+        hinge = [base.offset, swing.offset, base.height + swing.height]
+        sizes = [link.length for link in links] + [link.angle_offset for link in links]
+        relief = self._relief or Relief(np.zeros((2, 2)), (0.0, 0.0), 1.0)
+        return World(
+            arm=np.array(hinge + sizes),
+            lower=np.array(self.lower),
+            upper=np.array(self.upper),
+            link=self._link,
+            held_off=self._held_off,
+            spheres=np.column_stack([self._middles, self._radii + self.margin]),
+            balls=self._balls,
+            boxes=self._boxes,
+            under=self._under,
+            house=self._house,
+            heights=relief.heights,
+            place=np.array([*relief.corner, relief.cell]),
+            flat=float((1 + self._steep**2) ** -0.5),
+            asked=np.zeros(1, np.int64),
+        )
 
     def _ground(self, points: NDArray) -> NDArray:
         """Height of the ground under points (..., 3), bilinear [m]."""

@@ -9,8 +9,16 @@
 from __future__ import annotations
 
 from backhoe.planning.search.arm_world import ArmWorld, Relief, few_spheres
+from backhoe.planning.search.checker import Log, NoPath, path_length
+from backhoe.planning.search.connect import rrt_connect
+from backhoe.planning.search.grid import astar, best_first
 from backhoe.planning.search.level import LevelWorld, pitch
+from backhoe.planning.search.potential import Descent, potential
+from backhoe.planning.search.roadmap import prm
+from backhoe.planning.search.smoothing import shortcut
+from backhoe.planning.search.tangent import Shortest, tangent
 from backhoe.planning.search.timing import Timed, in_time, segment_times
+from backhoe.planning.search.trees import rrt, rrt_star, steer
 
 __all__ = [
     "ArmWorld",
@@ -19,6 +27,7 @@ __all__ = [
     "Log",
     "NoPath",
     "Relief",
+    "Shortest",
     "Timed",
     "astar",
     "best_first",
@@ -34,4 +43,5 @@ __all__ = [
     "segment_times",
     "shortcut",
     "steer",
+    "tangent",
 ]

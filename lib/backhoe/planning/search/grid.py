@@ -89,8 +89,8 @@ def astar(
         ValueError: shapes, a start or goal outside, not whole or occupied.
         NoPath: the goal cannot be reached.
     """
-    grid = np.asarray(occupied)
-    grid = truths(occupied, "occupied", ("a",) * max(grid.ndim, 1))
+    axes = [f"n{k}" for k in range(max(np.ndim(occupied), 1))]
+    grid = truths(occupied, "occupied", tuple(axes))
     D = grid.ndim
     size = np.broadcast_to(numbers(spacing, "spacing"), (D,)) if np.ndim(spacing) == 0 else spacing
     size = numbers(size, "spacing", (D,), meaning="an edge for each axis")

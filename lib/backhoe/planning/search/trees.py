@@ -202,7 +202,7 @@ def rrt_star(
             found = min((cost[k] + d for k, d in doors), default=math.inf)
             if found < best:
                 best = found
-                checker.log.best.append((checker.log.evaluations, best))
+                checker.log.best.append((checker.log.evaluations, float(best)))
     except NoPath:
         if not doors:
             raise

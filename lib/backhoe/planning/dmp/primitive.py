@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics import inputs
 from backhoe.planning.dmp import spring
-from backhoe.planning.dmp.demonstration import Demonstration, demonstration
 from backhoe.planning.dmp.kernels import FITS, Basis, Kernels, fit
+from backhoe.planning.dmp.motion import Motion, motion
 from backhoe.planning.dmp.phase import END_PHASE, phase_rate
 from backhoe.planning.dmp.remedies import (
     REMEDIES,
@@ -57,7 +57,7 @@ class DMP:
         duration, step: of the demonstration [s].
         weights: shape (kernels, d) [unit; of "ijspeert": 1].
         velocities: at start and end of the demonstration, shape (2, d) [unit/s].
-        demonstrations: what was learnt from.
+        shown: the motions that it learnt from.
 
     Raises:
         ValueError: a number out of its bounds, or an unknown word.
@@ -87,7 +87,7 @@ class DMP:
         self.fit = inputs.choice(fit, "fit", FITS)
         self.ridge = inputs.not_negative(ridge, "ridge")
         self.smoothing = inputs.not_negative(smoothing, "smoothing", "s")
-        self.demonstrations: list[Demonstration] = []
+        self.shown: list[Motion] = []
 
     @property
     def alpha(self) -> float:
@@ -102,7 +102,7 @@ class DMP:
             times: rising, shape (m,), or one step, or a list of either, one a demonstration [s].
 
         Raises:
-            ValueError: as for `demonstration`; demonstrations of different dimensions; "ijspeert"
+            ValueError: as for `motion`; demonstrations of different dimensions; "ijspeert"
                 with a dimension that ends where it began.
         """
         shown = _several(positions, times, self.smoothing)
@@ -116,10 +116,10 @@ class DMP:
         pairs = zip(shown, bases, strict=True)
         targets = [self.forcing(one, basis) for one, basis in pairs]
         self.weights = fit(bases, targets, self.fit, self.ridge)
-        self.demonstrations = shown
+        self.shown = shown
         return self
 
-    def forcing(self, shown: Demonstration, basis: Basis) -> NDArray:
+    def forcing(self, shown: Motion, basis: Basis) -> NDArray:
         """f that would have moved the spring as shown, shape (m, d) [unit]: (6.8)."""
         from backhoe.planning.dmp import engine
 
@@ -140,7 +140,7 @@ class DMP:
     def forcing_error(self) -> NDArray:
         """Root mean square of learnt less wanted f over all samples, shape (d,) [unit]."""
         left = []
-        for one in self._learnt().demonstrations:
+        for one in self._learnt().shown:
             basis = self.kernels.basis(one.t / one.duration)
             left.append(basis.mixed(self.weights) - self.forcing(one, basis))
         return np.sqrt(np.mean(np.concatenate(left) ** 2, axis=0))
@@ -158,7 +158,7 @@ class DMP:
         share = np.linspace(0.0, 1.0, inputs.whole(samples, "samples", least=2))
         paths = [
             [np.interp(share, one.t / one.duration, column) for column in one.x.T]
-            for one in self._learnt().demonstrations
+            for one in self._learnt().shown
         ]
         return share * self.duration, np.mean(paths, axis=0).T, np.std(paths, axis=0).T
 
@@ -252,11 +252,11 @@ class DMP:
 
 def _several(
     positions: ArrayLike | list, times: ArrayLike | list, smoothing: float
-) -> list[Demonstration]:
+) -> list[Motion]:
     """One demonstration or a list of them, all of as many dimensions."""
     many = isinstance(positions, (list, tuple)) and np.ndim(positions[0] if positions else 0) == 2
     if not many:
-        return [demonstration(positions, times, smoothing)]
+        return [motion(positions, times, smoothing)]
     shared = not isinstance(times, (list, tuple)) and np.ndim(times) == 0
     clocks = [times] * len(positions) if shared else list(times)
     if len(clocks) != len(positions):
@@ -265,7 +265,7 @@ def _several(
             f"got {len(clocks)}"
         )
     shown = [
-        demonstration(x, t, smoothing, f"positions[{k}]")
+        motion(x, t, smoothing, f"positions[{k}]")
         for k, (x, t) in enumerate(zip(positions, clocks, strict=True))
     ]
     sizes = {one.x.shape[1] for one in shown}

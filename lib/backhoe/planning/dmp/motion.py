@@ -14,7 +14,7 @@ LEAST = 5
 
 
 @dataclass(frozen=True, eq=False)
-class Demonstration:
+class Motion:
     """One demonstration, its time from 0 on.
 
     Attributes:
@@ -33,9 +33,9 @@ class Demonstration:
         return float(self.t[-1])
 
 
-def demonstration(
+def motion(
     positions: ArrayLike, times: ArrayLike, smoothing: float = 0.0, name: str = "positions"
-) -> Demonstration:
+) -> Motion:
     """A demonstration with its velocities and accelerations.
 
     Args:
@@ -67,7 +67,7 @@ def demonstration(
     x, v, a = np.array(x), np.empty(x.shape), np.empty(x.shape)
     if half == 0:
         engine.differences(t, x, v, a)
-        return Demonstration(t, x, v, a)
+        return Motion(t, x, v, a)
     reached = np.searchsorted(t, t + half) - np.searchsorted(t, t - half, "right")
     if reached.min() < LEAST:
         at = t[reached.argmin()]
@@ -77,4 +77,4 @@ def demonstration(
         )
     smooth = np.empty(x.shape)
     engine.parabolas(t, x, half, smooth, v, a)
-    return Demonstration(t, smooth, v, a)
+    return Motion(t, smooth, v, a)

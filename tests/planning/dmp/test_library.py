@@ -49,7 +49,12 @@ def test_a_sequence_is_continuous_in_position_and_velocity(library, blend):
     """Positions are the integral of the velocities, also where the second takes over."""
     dig, load = library["dig"], library["load"]
     t, x, v = sequence(
-        [dig, load, dig], [None, None, dig.goal + 0.2], [12.0, 10, 14], dt=0.005, blend=blend
+        [dig, load, dig],
+        [None, None, dig.goal + 0.2],
+        [12.0, 10, 14],
+        dt=0.005,
+        blend=blend,
+        exact_end=True,
     )
     assert t[-1] == pytest.approx(36.0 - 2 * blend)
     summed = x[0] + np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(t)[:, None], axis=0)

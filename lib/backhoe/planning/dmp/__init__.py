@@ -3,10 +3,12 @@
 - `phase`: the clock; `kernels`: the learnt function; `spring`: what it pulls, and its integrators
 - `demonstrations`: an operator's; `motion`: with velocities; `primitive`: what learns from them
 - `remedies`: better ways to new goals; `rhythmic`: a primitive that repeats
+- `couplings`: obstacles and limits, which push it aside
 - `library`: primitives by name, in files, one after the other
 - `loops`: their loops, written once; `engine`: the same, compiled
 """
 
+from backhoe.planning.dmp.couplings import keep_clear, keep_within
 from backhoe.planning.dmp.demonstrations import (
     Demonstration,
     demonstration,
@@ -34,6 +36,8 @@ __all__ = [
     "Motion",
     "Rhythmic",
     "demonstration",
+    "keep_clear",
+    "keep_within",
     "minimum_jerk",
     "motion",
     "phase",

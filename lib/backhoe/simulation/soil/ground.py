@@ -6,14 +6,14 @@
 
 World frame: x forward, y left, z up. T_tip is the pose of the bucket's tip frame: origin at the
 teeth, x from the pin through the teeth, y towards the back plate, z across. What is where:
-`terrain` (the map), `digging` (the shell in the soil), `bucket_fill` (what it holds), `soils`
-(their numbers), `earthmoving` (a blade in soil), `force` (on the bucket), `bucket_pose`, `cells`
-(the loops).
+`terrain` (the map), `digging` (the shell in the soil), `bucket_fill` (what it holds), `sticking`
+(what clings to it), `soils` (their numbers), `earthmoving` (a blade in soil), `force` (on the
+bucket), `bucket_pose`, `cells` (the loops).
 """
 
 from __future__ import annotations
 
-from math import inf, isfinite
+from math import dist, inf, isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,7 @@ from backhoe.simulation.soil.bucket_pose import BucketPose, distance, from_trans
 from backhoe.simulation.soil.digging import Digger
 from backhoe.simulation.soil.force import Resistance, SoilForce
 from backhoe.simulation.soil.soils import SANDY_LOAM, SoilParameters
+from backhoe.simulation.soil.sticking import StuckLayer
 from backhoe.simulation.soil.terrain import Contact, Terrain
 
 SWEEPS = 4
@@ -77,6 +78,8 @@ class Ground:
         self.bucket_volume = self.off_map_volume = self.moment = 0.0
         self._strength = SoilForce(parameters, machine, hold)
         self._digger = Digger(terrain, machine.shell, self._strength.sinkage)
+        self._stuck = StuckLayer(parameters, machine) if parameters.adhesion > 0 else None
+        self._velocity: list[float] | None = None
         self._before: BucketPose | None = None
         self._felt: Resistance | None = None
         terrain.relax(parameters.repose)
@@ -142,6 +145,8 @@ class Ground:
         )
         self.bucket_volume += taken
         self.off_map_volume += missed
+        if self._stuck is not None:
+            self._shake(velocity, dt, taken)
         self._spill(now, dt)
         self._settle()
         if pitch_rate is None:
@@ -179,7 +184,7 @@ class Ground:
 
     def forget_pose(self) -> None:
         """Start a new path: the machine was put elsewhere without digging its way there."""
-        self._before = self._felt = None
+        self._before = self._felt = self._velocity = None
 
     def snapshot(self) -> dict[str, object]:
         """A copy of everything that changes."""
@@ -188,6 +193,7 @@ class Ground:
             "bed": None if self.bed is None else self.bed.snapshot(),
             "volumes": (self.bucket_volume, self.off_map_volume),
             "bucket": (self._before, self._felt, self.moment),
+            "stuck": (self._velocity, None if self._stuck is None else self._stuck.keeps),
         }
 
     def restore(self, snapshot: dict[str, object]) -> None:
@@ -203,6 +209,9 @@ class Ground:
             self.bed.restore(snapshot["bed"])
         self.bucket_volume, self.off_map_volume = snapshot["volumes"]
         self._before, self._felt, self.moment = snapshot["bucket"]
+        self._velocity, keeps = snapshot["stuck"]
+        if self._stuck is not None:
+            self._stuck.keeps = keeps
 
     def _answer(self, z: float, velocity: tuple[float, float, float], pitch_rate: float) -> NDArray:
         if self._felt is None:
@@ -210,13 +219,24 @@ class Ground:
         x, y, z, self.moment = self._felt.wrench(z, velocity, pitch_rate)
         return np.array((x, y, z))
 
+    def _shake(self, velocity: list[float], dt: float, taken: float) -> None:
+        """Let the tip's acceleration tear at what sticks to the walls, unless they dig."""
+        before, self._velocity = self._velocity or velocity, velocity
+        if taken > 0.0:
+            self._stuck.keeps = self._stuck.volume()
+        else:
+            self._stuck.shake(dist(velocity, before) / dt)
+
     def _spill(self, now: BucketPose, dt: float) -> None:
         """Let what the bucket cannot hold at its pitch fall over the lower lip."""
         if self.bucket_volume <= 0.0:
             return
         in_air = now.tip[2] > self.terrain.top
         support = 0.0 if in_air else self._digger.depth(now, 2 * now.mouth_side)
-        surplus = self.bucket_volume - self.fill.retained(now.pitch, support)
+        held = self.fill.retained(now.pitch, support)
+        if self._stuck is not None:
+            held = max(held, self._stuck.keeps)
+        surplus = self.bucket_volume - held
         if surplus <= 0.0:
             return
         falls = min(self.parameters.spill_rate * dt, surplus * min(dt / EMPTYING_TIME, 1.0))

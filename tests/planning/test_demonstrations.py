@@ -13,6 +13,7 @@ from backhoe.planning.dmp.demonstrations import (
     demonstration,
     recorded,
     repetitions,
+    through,
 )
 
 NAMES = ("dig", "load")
@@ -86,6 +87,8 @@ def test_repetitions_differ_are_the_same_for_a_seed_and_stay_in_reach(name):
         (lambda: demonstration(dt=0.0), "dt must be one number above 0"),
         (lambda: demonstration(dt=20.0), "at most the movement's 13.68 s"),
         (lambda: repetitions(count=0), "count must be"),
+        (lambda: through([1.0, 2.0], np.zeros((2, 4))), "must rise from 0"),
+        (lambda: through([0.0, 2.0], np.zeros((2, 3))), "points"),
         (lambda: recorded(demonstration(), noise=(0, 0, 0, -1)), "must not be negative"),
         (lambda: recorded(Demonstration(np.arange(3.0), np.zeros((4, 4)))), "positions"),
         (lambda: recorded(Demonstration(np.zeros(3), np.zeros((3, 4)))), "times"),

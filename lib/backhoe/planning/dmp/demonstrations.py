@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics import inputs
 
@@ -61,6 +61,35 @@ class Demonstration(NamedTuple):
     positions: NDArray
 
 
+def through(times: ArrayLike, points: ArrayLike, dt: float = 0.01) -> Demonstration:
+    """The quintic spline through way-points of your own, at rest at both ends, sampled evenly.
+
+    Args:
+        times: of the way-points, rising from 0, shape (n,) [s].
+        points: x, y, z of the stick's tip [m] and the bucket's angle [rad], shape (n, 4).
+        dt: time between two samples [s]; shortened a little where the duration needs it.
+
+    Returns:
+        Times and positions.
+
+    Raises:
+        ValueError: other shapes, times that do not rise from 0, a step that is not positive or
+            longer than the movement.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    times = inputs.times(times, "times")
+    points = inputs.numbers(points, "points", (len(times), 4))
+    if times[0] != 0:
+        raise ValueError(f"times must rise from 0, got {times}")
+    if inputs.positive(dt, "dt", "s") > times[-1]:
+        raise ValueError(f"dt must be at most the movement's {times[-1]:.2f} s, got {dt:g}")
+    still = [(1, np.zeros(4)), (2, np.zeros(4))]
+    spline = make_interp_spline(times, points, k=5, bc_type=(still, still))
+    t = np.linspace(0.0, times[-1], round(times[-1] / dt) + 1)
+    return Demonstration(t, spline(t))
+
+
 def demonstration(name: str = "dig", dt: float = 0.01) -> Demonstration:
     """The clean demonstration of a name in `WAY_POINTS`, sampled evenly.
 
@@ -75,7 +104,7 @@ def demonstration(name: str = "dig", dt: float = 0.01) -> Demonstration:
         ValueError: another name, or a step that is not positive or longer than the movement.
     """
     way = np.array(WAY_POINTS[inputs.choice(name, "name", WAY_POINTS)])
-    return _even(way[:, 0], way[:, 1:], inputs.positive(dt, "dt", "s"))
+    return through(way[:, 0], way[:, 1:], dt)
 
 
 def recorded(demo: Demonstration, seed: int = 0, noise: tuple[float, ...] = NOISE) -> Demonstration:
@@ -127,17 +156,5 @@ def repetitions(name: str = "dig", count: int = 5, seed: int = 0) -> list[Demons
     for _ in range(count):
         times = way[:, 0] * np.exp(HASTE * rng.standard_normal())
         points = way[:, 1:] + SPREAD * rng.standard_normal((len(way), 4))
-        done.append(recorded(_even(times, points, 0.01), int(rng.integers(1 << 31))))
+        done.append(recorded(through(times, points, 0.01), int(rng.integers(1 << 31))))
     return done
-
-
-def _even(times: NDArray, points: NDArray, dt: float) -> Demonstration:
-    """Samples of the quintic spline through the way-points, at rest at both ends."""
-    from scipy.interpolate import make_interp_spline
-
-    if dt > times[-1]:
-        raise ValueError(f"dt must be at most the movement's {times[-1]:.2f} s, got {dt:g}")
-    still = [(1, np.zeros(4)), (2, np.zeros(4))]
-    spline = make_interp_spline(times, points, k=5, bc_type=(still, still))
-    t = np.linspace(0.0, times[-1], round(times[-1] / dt) + 1)
-    return Demonstration(t, spline(t))

@@ -25,11 +25,13 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm import contact, kinematics
 from backhoe.arm.dynamics import terms
 from backhoe.basics import inputs
+from backhoe.basics.angles import wrap
 from backhoe.machine import BACKHOE, Machine
 from backhoe.simulation import forces, standing
 from backhoe.simulation.clock import STEP, TICKS_PER_DIG
 from backhoe.simulation.scene import LOADING, Scene, untouched_ground
 from backhoe.simulation.soil import Ground, SoilParameters, soil_of
+from backhoe.simulation.soil.bucket_pose import BucketPose
 from backhoe.whole_body.stability import EDGES
 
 TICK = TICKS_PER_DIG * STEP
@@ -166,14 +168,11 @@ def dig(
         ground.forget_pose()
         ground.off_map_volume += ground.bucket_volume
         ground.bucket_volume = 0.0
-    placed = np.c_[np.tile(pose, (len(q), 1)), q]
-    felt, volume = _dug(ground, machine, placed, dq)
+    felt, volume = _dug(ground, machine, pose, q, dq)
     load = volume * ground.parameters.density
-    margin, tipped = _balanced(machine, placed, dq, felt, load)
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    own = np.c_[felt[:, :2] @ np.array([[c, -s], [s, c]]), felt[:, 2:]]
-    torque = _needed(machine, q, dq, ddq, own, load)
-    return Trial(machine, t, q, dq, torque, own, volume, margin, tipped)
+    torque = _needed(machine, q, dq, ddq, felt, load)
+    margin, tipped = _balanced(machine, q, dq, felt, load)
+    return Trial(machine, t, q, dq, torque, felt, volume, margin, tipped)
 
 
 def dig_many(
@@ -238,23 +237,34 @@ def _led(path: ArrayLike, times: ArrayLike, machine: Machine) -> tuple[NDArray, 
     return t, q, joints(t, 1), joints(t, 2)
 
 
-def _dug(ground: Ground, machine: Machine, q: NDArray, dq: NDArray) -> tuple[NDArray, NDArray]:
-    """Force and moment at the tip, (m, 4) [N, N m], and soil in the bucket, (m,) [m^3].
-
-    Coordinates of vehicle and joints (m, 7), joint speeds (m, 4).
-    """
-    from backhoe.simulation import engine
-
-    reach = forces.numbers_of(machine, True).reach
-    rates = np.zeros_like(q)
-    rates[:, 3:] = dq
-    turning = dq[:, 1:].sum(axis=1).tolist()
-    felt, volume = np.zeros((len(q), 4)), np.zeros(len(q))
-    for k in range(len(q)):
-        T, velocity = engine.tip_motion(reach, q[k], rates[k])
-        felt[k, :3] = ground.advance(T, velocity, TICK, turning[k])
+def _dug(
+    ground: Ground, machine: Machine, pose: NDArray, q: NDArray, dq: NDArray
+) -> tuple[NDArray, NDArray]:
+    """Force and moment at the tip, base frame, (m, 4) [N, N m]; soil in the bucket, (m,) [m^3]."""
+    reach, placed = forces.numbers_of(machine, True).reach, np.empty((7, len(q)))
+    placed[:3], placed[3:] = pose[:, None], q.T
+    *_, r, z, pitch = forces.arm_points(reach, placed)
+    ahead = pose[2] + q[:, 0] + np.pi / 2
+    out = np.column_stack([np.cos(ahead), np.sin(ahead)])
+    turned = _turned(pose[2])
+    axis = pose[:2] + turned @ [reach[0], 0.0]
+    rates = (contact.contact_jacobian(q, machine) @ dq[..., None])[..., 0]
+    moving = np.column_stack([rates[:, :2] @ turned.T, rates[:, 2]]).tolist()
+    tips = np.column_stack([axis + r[:, None] * out, z]).tolist()
+    felt, volume = np.empty((len(q), 4)), np.empty(len(q))
+    way = zip(tips, out.tolist(), wrap(pitch).tolist(), moving, rates[:, 3].tolist(), strict=True)
+    for k, (tip, heading, pitch_now, velocity, turning) in enumerate(way):
+        now = BucketPose(tuple(tip), tuple(heading), pitch_now)
+        felt[k, :3] = ground.move(now, velocity, TICK, turning)
         felt[k, 3], volume[k] = ground.moment, ground.bucket_volume
+    felt[:, :2] = felt[:, :2] @ turned
     return felt, volume
+
+
+def _turned(heading: float) -> NDArray:
+    """From the base frame's x and y to the world's, shape (2, 2) [1]."""
+    c, s = np.cos(heading), np.sin(heading)
+    return np.array([[c, -s], [s, c]])
 
 
 def _needed(
@@ -276,13 +286,13 @@ def _needed(
 def _balanced(
     machine: Machine, q: NDArray, dq: NDArray, felt: NDArray, load: NDArray
 ) -> tuple[NDArray, str | None]:
-    """Margin of the balance (m,) [m] and the edge over which it tips; arrays as for `_dug`."""
+    """Margin of the balance (m,) [m] and the edge over which it tips, in the base frame."""
     from backhoe.simulation import engine
 
     masses, memory = standing.masses_of(machine), np.zeros(standing.MEMORY)
     balance, tipped = standing.balance_in(memory), None
     states = np.zeros((len(q), 14))
-    states[:, :7], states[:, 10:] = q, dq
+    states[:, 3:7], states[:, 10:] = q, dq
     balance.before[:] = states[0]
     margin = np.empty(len(q))
     for k, state in enumerate(states):

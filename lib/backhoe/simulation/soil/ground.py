@@ -13,6 +13,7 @@ bucket), `bucket_pose`, `cells` (the loops).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import dist, inf, isfinite
 
 import numpy as np
@@ -79,7 +80,7 @@ class Ground:
         self._strength = SoilForce(parameters, machine, hold)
         self._digger = Digger(terrain, machine.shell, self._strength.sinkage)
         self._stuck = StuckLayer(parameters, machine) if parameters.adhesion > 0 else None
-        self._velocity: list[float] | None = None
+        self._velocity: Sequence[float] | None = None
         self._before: BucketPose | None = None
         self._felt: Resistance | None = None
         terrain.relax(parameters.repose)
@@ -134,6 +135,20 @@ class Ground:
         velocity = _vector(tip_velocity, "tip_velocity")
         if not 0.0 < dt < inf:
             positive(dt, "dt", "s")
+        return np.array(self.move(now, velocity, dt, pitch_rate))
+
+    def move(
+        self,
+        now: BucketPose,
+        velocity: Sequence[float],
+        dt: float,
+        pitch_rate: float | None = None,
+    ) -> tuple[float, float, float]:
+        """The same as `advance` for loops that know the bucket's pose: finite numbers, unchecked.
+
+        Raises:
+            ValueError: a tip that has jumped by more than 1 m.
+        """
         before = self._before or now
         if distance(before, now) > LONGEST_STEP:
             raise ValueError(
@@ -180,7 +195,7 @@ class Ground:
         velocity = _vector(tip_velocity, "tip_velocity")
         if pitch_rate is None:
             pitch_rate = 0.0 if self._felt is None else self._felt.pitch_rate
-        return self._answer(position[2], velocity, pitch_rate)
+        return np.array(self._answer(position[2], velocity, pitch_rate))
 
     def forget_pose(self) -> None:
         """Start a new path: the machine was put elsewhere without digging its way there."""
@@ -213,13 +228,15 @@ class Ground:
         if self._stuck is not None:
             self._stuck.keeps = keeps
 
-    def _answer(self, z: float, velocity: tuple[float, float, float], pitch_rate: float) -> NDArray:
+    def _answer(
+        self, z: float, velocity: Sequence[float], pitch_rate: float
+    ) -> tuple[float, float, float]:
         if self._felt is None:
-            return np.zeros(3)
+            return 0.0, 0.0, 0.0
         x, y, z, self.moment = self._felt.wrench(z, velocity, pitch_rate)
-        return np.array((x, y, z))
+        return x, y, z
 
-    def _shake(self, velocity: list[float], dt: float, taken: float) -> None:
+    def _shake(self, velocity: Sequence[float], dt: float, taken: float) -> None:
         """Let the tip's acceleration tear at what sticks to the walls, unless they dig."""
         before, self._velocity = self._velocity or velocity, velocity
         if taken > 0.0:

@@ -335,7 +335,7 @@ class Loop:
             self._load(ground.payload)
             self._in_soil = ground.touches
         else:
-            force = ground.force(T_world_tip[:3, 3], velocity, pitch_rate)
+            force = ground.force(T_world_tip[:3, 3], velocity, pitch_rate, T_world_tip)
         self._state.soil[:3] = force
         self._state.soil[3] = ground.moment
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.basics.inputs import number, numbers, positive, whole
+from backhoe.basics.inputs import instance, number, numbers, positive, whole
 from backhoe.machine import Machine
-from backhoe.simulation.soil import Ground, SoilParameters, Terrain
+from backhoe.simulation.soil import Ground, Rock, SoilParameters, Terrain
 
 ROUGHNESS = 0.03
 """Height of the bumps on a heap [m]; they come from the seed."""
@@ -102,7 +102,8 @@ class Truck:
 class Scene:
     """A grid of `rows` x `columns` heights (y by x), `cell` [m] apart, with what lies on it.
 
-    `corner` is the (x, y) of the first height [m].
+    `corner` is the (x, y) of the first height [m]; `rocks` lie fixed in the ground, and where one
+    sticks out of it the ground's surface is the rock's.
     """
 
     corner: tuple[float, float]
@@ -112,8 +113,11 @@ class Scene:
     heaps: tuple[Heap, ...] = ()
     truck: Truck | None = None
     bank: Bank | None = None
+    rocks: tuple[Rock, ...] = ()
 
     def __post_init__(self) -> None:
+        for rock in self.rocks:
+            instance(rock, "each of Scene.rocks", Rock)
         whole(self.rows, "Scene.rows", least=2)
         whole(self.columns, "Scene.columns", least=2)
         positive(self.cell, "Scene.cell", "m")
@@ -150,7 +154,11 @@ def untouched_ground(
         hold: time over which the bucket feels one force of the soil [s].
         soil: its strength and weight.
     """
-    terrain = Terrain(scene.heights(seed), scene.cell, scene.corner)
+    heights, floor = scene.heights(seed), None
+    if scene.rocks:
+        floor = np.max([rock.top_at(*scene.grid()) for rock in scene.rocks], axis=0)
+        heights = np.maximum(heights, floor)
+    terrain = Terrain(heights, scene.cell, scene.corner, floor)
     truck, bed = scene.truck, None
     if truck is not None:
         bed = Terrain.bed(
@@ -161,7 +169,7 @@ def untouched_ground(
             truck.wall,
             scene.cell,
         )
-    return Ground(terrain, bed, soil, machine, hold=hold)
+    return Ground(terrain, bed, soil, machine, scene.rocks, hold=hold)
 
 
 def _bumps(x: NDArray, y: NDArray, rng: np.random.Generator) -> NDArray:

@@ -22,7 +22,7 @@ from multiprocessing import get_context
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.arm import contact, kinematics
+from backhoe.arm import contact, dynamics, kinematics
 from backhoe.arm.dynamics import terms
 from backhoe.basics import inputs
 from backhoe.basics.angles import wrap
@@ -279,7 +279,7 @@ def _needed(
     pitches = np.cumsum(q[:, 1:] + [arm.o2, arm.o3, arm.o4], axis=1).T
     turned = [function(pitch) for pitch in pitches for function in (np.cos, np.sin)]
     motion = np.stack(terms.newton_euler(arm, terms.vectors(arm, *turned), *dq.T, *ddq.T), axis=1)
-    friction = machine.viscous * dq + machine.coulomb * np.tanh(dq / forces.COULOMB_SMOOTHING)
+    friction = dynamics.friction_torque(dq, machine, forces.COULOMB_SMOOTHING)
     return motion + friction - contact.joint_torque(q, felt, machine)
 
 

@@ -7,8 +7,8 @@
 World frame: x forward, y left, z up. T_tip is the pose of the bucket's tip frame: origin at the
 teeth, x from the pin through the teeth, y towards the back plate, z across. What is where:
 `terrain` (the map), `digging` (the shell in the soil), `bucket_fill` (what it holds), `sticking`
-(what clings to it), `soils` (their numbers), `earthmoving` (a blade in soil), `force` (on the
-bucket), `bucket_pose`, `cells` (the loops).
+(what clings to it), `rocks`, `soils` (their numbers), `earthmoving` (a blade in soil), `force` (on
+the bucket), `bucket_pose`, `cells` (the loops).
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from backhoe.simulation.soil.bucket_fill import BucketFill
 from backhoe.simulation.soil.bucket_pose import BucketPose, distance, from_transform
 from backhoe.simulation.soil.digging import Digger
 from backhoe.simulation.soil.force import Resistance, SoilForce
+from backhoe.simulation.soil.rocks import Rock, Rocks
 from backhoe.simulation.soil.soils import SANDY_LOAM, SoilParameters
 from backhoe.simulation.soil.sticking import StuckLayer
 from backhoe.simulation.soil.terrain import Contact, Terrain
@@ -44,10 +45,11 @@ class Ground:
     """All the soil of a scene: on the ground, in the bucket and in the truck.
 
     Args:
-        terrain: the ground; it is settled to the angle of repose.
+        terrain: the ground; it is settled to the angle of repose. Rocks must be its floor.
         bed: the truck's bed (`Terrain.bed`), or None.
         parameters: strength and weight of the soil.
         machine: gives the bucket's shell and gravity.
+        rocks: that lie in the ground, fixed (`Rock`).
         hold: how long the simulation keeps a force before it asks again [s]. The force is softened
             so that the bucket does not chatter: 1 ms gives the soil's full strength at 0.2 m/s.
 
@@ -67,6 +69,7 @@ class Ground:
         bed: Terrain | None = None,
         parameters: SoilParameters = SANDY_LOAM,
         machine: Machine = BACKHOE,
+        rocks: Sequence[Rock] = (),
         *,
         hold: float = 0.01,
     ) -> None:
@@ -79,6 +82,7 @@ class Ground:
         self.bucket_volume = self.off_map_volume = self.moment = 0.0
         self._strength = SoilForce(parameters, machine, hold)
         self._digger = Digger(terrain, machine.shell, self._strength.sinkage)
+        self._rocks = Rocks(rocks, machine, self._strength.mass, hold) if rocks else None
         self._stuck = StuckLayer(parameters, machine) if parameters.adhesion > 0 else None
         self._velocity: Sequence[float] | None = None
         self._before: BucketPose | None = None
@@ -107,6 +111,8 @@ class Ground:
     def touches(self) -> bool:
         """Whether the soil at the last advance resists the bucket: if not, `force` is zero."""
         felt = self._felt
+        if self._rocks is not None and self._before is not None and self._rocks.near(self._before):
+            return True
         return felt is not None and (felt.cutting > 0.0 or felt.bearing > 0.0)
 
     def advance(
@@ -168,13 +174,14 @@ class Ground:
             pitch_rate = wrap(now.pitch - before.pitch) / dt
         self._felt = self._feel(now, velocity, contact, pitch_rate)
         self._before = now
-        return self._answer(now.tip[2], velocity, pitch_rate)
+        return self._answer(now.tip[2], velocity, pitch_rate, now)
 
     def force(
         self,
         tip_position: ArrayLike,
         tip_velocity: ArrayLike,
         pitch_rate: float | None = None,
+        T_tip: ArrayLike | None = None,
     ) -> NDArray:
         """The force for the tip's position and speed now, in the soil of the last advance.
 
@@ -184,6 +191,7 @@ class Ground:
             tip_position: in the world, shape (3,) [m].
             tip_velocity: in the world, shape (3,) [m/s].
             pitch_rate: of the bucket [rad/s]; default that of the last advance.
+            T_tip: pose of the tip frame now, shape (4, 4): without it no rock is felt.
 
         Returns:
             Force at the tip, world frame, shape (3,) [N].
@@ -195,7 +203,8 @@ class Ground:
         velocity = _vector(tip_velocity, "tip_velocity")
         if pitch_rate is None:
             pitch_rate = 0.0 if self._felt is None else self._felt.pitch_rate
-        return np.array(self._answer(position[2], velocity, pitch_rate))
+        now = None if T_tip is None or self._rocks is None else from_transform(T_tip)
+        return np.array(self._answer(position[2], velocity, pitch_rate, now))
 
     def forget_pose(self) -> None:
         """Start a new path: the machine was put elsewhere without digging its way there."""
@@ -229,12 +238,15 @@ class Ground:
             self._stuck.keeps = keeps
 
     def _answer(
-        self, z: float, velocity: Sequence[float], pitch_rate: float
+        self, z: float, velocity: Sequence[float], pitch_rate: float, now: BucketPose | None
     ) -> tuple[float, float, float]:
-        if self._felt is None:
-            return 0.0, 0.0, 0.0
-        x, y, z, self.moment = self._felt.wrench(z, velocity, pitch_rate)
-        return x, y, z
+        felt = self._felt
+        push = (0.0,) * 4 if felt is None else felt.wrench(z, velocity, pitch_rate)
+        if self._rocks is not None and now is not None:
+            rock = self._rocks.push(now, velocity, pitch_rate)
+            push = tuple(a + b for a, b in zip(push, rock, strict=True))
+        *force, self.moment = push
+        return tuple(force)
 
     def _shake(self, velocity: Sequence[float], dt: float, taken: float) -> None:
         """Let the tip's acceleration tear at what sticks to the walls, unless they dig."""

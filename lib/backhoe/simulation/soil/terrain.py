@@ -51,7 +51,8 @@ class Terrain:
         heights: surface, shape (ny, nx), at least 2 by 2 [m]; copied.
         cell: spacing of the grid [m].
         origin: (x, y) of heights[0, 0] in the world [m].
-        floor: rigid ground under the soil, same shape as heights [m]; None for soil without end.
+        floor: rigid ground under the soil, same shape as heights [m], minus infinity where there
+            is none; None for soil without end.
 
     Attributes:
         heights, floor: to be read, shape (ny, nx) [m]; only the methods change them.
@@ -76,8 +77,8 @@ class Terrain:
         self.has_floor = floor is not None
         ground = np.full_like(surface, -inf)
         if self.has_floor:
-            ground[:] = numbers(floor, "floor", surface.shape)
-            if (surface < ground).any():
+            ground[:] = numbers(floor, "floor", surface.shape, finite=False)
+            if not (surface >= ground).all():
                 raise ValueError("heights must not lie below the floor")
         self.cell = positive(cell, "cell", "m")
         self.origin = tuple(numbers(origin, "origin", (2,), meaning="x, y [m]").tolist())
@@ -154,7 +155,8 @@ class Terrain:
     @property
     def volume(self) -> float:
         """Soil above the floor, or above z = 0 where there is none [m^3]."""
-        thickness = self.heights - self.floor if self.has_floor else self.heights
+        bottom = np.where(self.floor > -inf, self.floor, 0.0) if self.has_floor else 0.0
+        thickness = self.heights - bottom
         return float(thickness.sum()) * self.cell**2
 
     @property

@@ -13,121 +13,110 @@ class World(NamedTuple):
     """What the loops get of an `ArmWorld`, lengths in m, angles in rad.
 
     Attributes:
-        arm: x of the swing axis, r and z of the boom's joint, then lengths and angle offsets of
-            boom, stick and bucket, shape (9,).
-        lower, upper: the joints' limits, shape (4,).
-        link: of each sphere, 0 boom, 1 stick, 2 bucket, shape (k,); held_off: whether the
-            machine's own body is to be looked at, shape (k,).
-        spheres: middle in its link's frame, radius with the margin, shape (k, 4).
+        arm: x of the swing axis, r and z of the boom's joint, lengths and angle offsets of boom,
+            stick and bucket, shape (9,).
+        limits: of the joints, lower and upper, shape (2, 4).
+        spheres: link (0 boom, 1 stick, 2 bucket), whether the machine's own body is looked at (0,
+            1), middle in the link's frame, radius with the margin, shape (k, 6).
         balls: middle, radius, shape (m, 4).
-        boxes, under, house: lower and upper corner, shape (b, 2, 3): obstacles; the machine's own
-            in the base frame, and in the frame of the house.
-        heights, place, flat: of the ground, shape (rows, columns); corner and cell, shape (3,);
-            the share of a height that is surely the distance [1].
+        boxes: kind (0 an obstacle; the machine's own: 1 in the base frame, 2 in the frame of the
+            house), lower corner, upper corner, shape (b, 7).
+        heights: of the ground, shape (rows, columns).
+        place: their corner x, y and cell, the share of a height that is surely the distance, and
+            the highest, shape (5,).
         asked: postures that were looked at, shape (1,).
     """
 
     arm: NDArray
-    lower: NDArray
-    upper: NDArray
-    link: NDArray
-    held_off: NDArray
+    limits: NDArray
     spheres: NDArray
     balls: NDArray
     boxes: NDArray
-    under: NDArray
-    house: NDArray
     heights: NDArray
     place: NDArray
-    flat: float
     asked: NDArray
 
 
-def free(world, q):
-    """Whether a posture, shape (4,), is within the limits and hits nothing.
+def all_free(world, q, until_hit=False):
+    """Of postures, shape (n, 4), whether they are within the limits and hit nothing, shape (n,).
 
-    The outermost spheres come first: they are the ones that hit.
+    The outermost spheres come first: they are the ones that hit. With `until_hit` the first
+    posture that is not free ends it, and the later ones are said not to be.
     """
-    world.asked[0] += 1
-    for i in range(4):
-        if not world.lower[i] <= q[i] <= world.upper[i]:
-            return False
-    arm, across, ahead = world.arm, -sin(q[0]), cos(q[0])
-    r, z, c, s = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    out, up, pitch = arm[1], arm[2], 0.0
-    for i in range(3):
-        pitch += q[1 + i] + arm[6 + i]
-        c[i], s[i] = cos(pitch), sin(pitch)
-        out, up = out + arm[3 + i] * c[i], up + arm[3 + i] * s[i]
-        r[i], z[i] = out, up
-    for k in range(len(world.link) - 1, -1, -1):
-        i, radius = world.link[k], world.spheres[k, 3]
-        along, above, d = world.spheres[k, 0], world.spheres[k, 1], world.spheres[k, 2]
-        far = r[i] + along * c[i] - above * s[i]
-        h = z[i] + along * s[i] + above * c[i]
-        x, y = arm[0] + far * across + d * ahead, far * ahead - d * across
-        if (h - ground(world, x, y)) * world.flat < radius:
-            return False
-        for j in range(len(world.balls)):
-            ball = world.balls[j]
-            touch = radius + ball[3]
-            if (x - ball[0]) ** 2 + (y - ball[1]) ** 2 + (h - ball[2]) ** 2 < touch * touch:
-                return False
-        if in_box(world.boxes, x, y, h, radius):
-            return False
-        if world.held_off[k]:
-            if in_box(world.under, x, y, h, radius):
-                return False
-            if in_box(world.house, far - arm[1], h - arm[2], d, radius):
-                return False
-    return True
-
-
-def in_box(boxes, x, y, z, radius):
-    """Whether a sphere reaches into one of boxes (b, 2, 3)."""
-    for j in range(len(boxes)):
-        e = max(boxes[j, 0, 0] - x, x - boxes[j, 1, 0], 0.0)
-        f = max(boxes[j, 0, 1] - y, y - boxes[j, 1, 1], 0.0)
-        g = max(boxes[j, 0, 2] - z, z - boxes[j, 1, 2], 0.0)
-        if e * e + f * f + g * g < radius * radius:
-            return True
-    return False
-
-
-def ground(world, x, y):
-    """Height of the ground, bilinear, and beyond its border as there."""
-    rows, columns = world.heights.shape
-    u = min(max((x - world.place[0]) / world.place[2], 0.0), columns - 1.0)
-    v = min(max((y - world.place[1]) / world.place[2], 0.0), rows - 1.0)
-    j, k = min(int(u), columns - 2), min(int(v), rows - 2)
-    u, v = u - j, v - k
-    near = world.heights[k, j] * (1 - u) + world.heights[k, j + 1] * u
-    return near * (1 - v) + v * (
-        world.heights[k + 1, j] * (1 - u) + world.heights[k + 1, j + 1] * u
-    )
-
-
-def all_free(world, q):
-    """Of postures of shape (n, 4)."""
-    found = np.empty(len(q), np.bool_)
-    for k in range(len(q)):
-        found[k] = free(world, q[k])
+    arm, limits, spheres, balls, boxes, heights, place, asked = world
+    found = np.zeros(len(q), np.bool_)
+    for n in range(len(q)):
+        asked[0] += 1
+        free = True
+        for i in range(4):
+            free = free and limits[0, i] <= q[n, i] <= limits[1, i]
+        across, ahead = -sin(q[n, 0]), cos(q[n, 0])
+        p1 = q[n, 1] + arm[6]
+        p2 = p1 + q[n, 2] + arm[7]
+        p3 = p2 + q[n, 3] + arm[8]
+        c, s = (cos(p1), cos(p2), cos(p3)), (sin(p1), sin(p2), sin(p3))
+        r1, z1 = arm[1] + arm[3] * c[0], arm[2] + arm[3] * s[0]
+        r2, z2 = r1 + arm[4] * c[1], z1 + arm[4] * s[1]
+        r, z = (r1, r2, r2 + arm[5] * c[2]), (z1, z2, z2 + arm[5] * s[2])
+        k = len(spheres) - 1
+        while free and k >= 0:
+            i, radius = int(spheres[k, 0]), spheres[k, 5]
+            along, above, beside = spheres[k, 2], spheres[k, 3], spheres[k, 4]
+            far = r[i] + along * c[i] - above * s[i]
+            h = z[i] + along * s[i] + above * c[i]
+            x, y = arm[0] + far * across + beside * ahead, far * ahead - beside * across
+            if (h - place[4]) * place[3] < radius:  # not above all of the ground
+                free = (h - ground(heights, place, x, y)) * place[3] >= radius
+            for j in range(len(balls)):
+                touch = radius + balls[j, 3]
+                u, v, w = x - balls[j, 0], y - balls[j, 1], h - balls[j, 2]
+                free = free and u * u + v * v + w * w >= touch * touch
+            for j in range(len(boxes)):
+                if boxes[j, 0] > 0.0 and spheres[k, 1] == 0.0:
+                    continue
+                u, v, w = x, y, h
+                if boxes[j, 0] == 2.0:
+                    u, v, w = far - arm[1], h - arm[2], beside
+                u = max(boxes[j, 1] - u, u - boxes[j, 4], 0.0)
+                v = max(boxes[j, 2] - v, v - boxes[j, 5], 0.0)
+                w = max(boxes[j, 3] - w, w - boxes[j, 6], 0.0)
+                free = free and u * u + v * v + w * w >= radius * radius
+            k -= 1
+        found[n] = free
+        if until_hit and not free:
+            break
     return found
 
 
+def ground(heights, place, x, y):
+    """Height of the ground, bilinear, and beyond its border as there."""
+    rows, columns = heights.shape
+    u = min(max((x - place[0]) / place[2], 0.0), columns - 1.0)
+    v = min(max((y - place[1]) / place[2], 0.0), rows - 1.0)
+    j, k = min(int(u), columns - 2), min(int(v), rows - 2)
+    u, v = u - j, v - k
+    near = heights[k, j] * (1 - u) + heights[k, j + 1] * u
+    return near * (1 - v) + v * (heights[k + 1, j] * (1 - u) + heights[k + 1, j + 1] * u)
+
+
 def edge_free(world, a, b, resolution):
-    """Whether the straight way between two postures is free: b, and places in between."""
+    """Whether the straight way between two postures is free: b, the middle, the quarters, and so
+    on, for in the middle of what is left an obstacle is found soonest."""
     way = 0.0
     for i in range(4):
         way += (b[i] - a[i]) ** 2
     n = max(1, ceil(way**0.5 / resolution))
-    q = np.empty(4)
-    for k in range(n, 0, -1):
-        for i in range(4):
-            q[i] = a[i] + k / n * (b[i] - a[i])
-        if not free(world, q):
-            return False
-    return True
+    q, row, step = np.empty((n, 4)), 1, 1
+    q[0] = b
+    while step < n:
+        step *= 2
+    while step > 1:
+        for k in range(step // 2, n, step):
+            for i in range(4):
+                q[row, i] = a[i] + k / n * (b[i] - a[i])
+            row += 1
+        step //= 2
+    return all_free(world, q, True).all()
 
 
 def nearest(tree, n, place):

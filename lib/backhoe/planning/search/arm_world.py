@@ -156,20 +156,20 @@ class ArmWorld:
         hinge = [base.offset, swing.offset, base.height + swing.height]
         sizes = [link.length for link in links] + [link.angle_offset for link in links]
         relief = self._relief or Relief(np.zeros((2, 2)), (0.0, 0.0), 1.0)
+        kinds = (self._boxes, self._under, self._house)
+        flat = (1 + self._steep**2) ** -0.5
         return World(
             arm=np.array(hinge + sizes),
-            lower=np.array(self.lower),
-            upper=np.array(self.upper),
-            link=self._link,
-            held_off=self._held_off,
-            spheres=np.column_stack([self._middles, self._radii + self.margin]),
+            limits=np.vstack([self.lower, self.upper]),
+            spheres=np.column_stack(
+                [self._link, self._held_off, self._middles, self._radii + self.margin]
+            ),
             balls=self._balls,
-            boxes=self._boxes,
-            under=self._under,
-            house=self._house,
+            boxes=np.vstack(
+                [np.c_[np.full(len(some), k), some.reshape(-1, 6)] for k, some in enumerate(kinds)]
+            ),
             heights=relief.heights,
-            place=np.array([*relief.corner, relief.cell]),
-            flat=float((1 + self._steep**2) ** -0.5),
+            place=np.array([*relief.corner, relief.cell, flat, relief.heights.max()]),
             asked=np.zeros(1, np.int64),
         )
 

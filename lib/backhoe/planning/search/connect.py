@@ -5,6 +5,7 @@ The loops are in `grow`; `engine` compiles the same text with the arm's own chec
 
 from __future__ import annotations
 
+from functools import partial
 from math import ceil
 
 import numpy as np
@@ -53,6 +54,7 @@ def rrt_connect(
         from backhoe.planning.search import engine
 
         engine.compile_now()
+        is_free = partial(engine.all_free, arm)
     problem = Problem(start, goal, is_free, lower, upper, step, resolution, budget, time_limit, log)
     checker, rng, D = problem.checker, generator(seed, "seed"), len(problem.start)
     search, world = grow.connect, checker

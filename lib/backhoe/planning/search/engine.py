@@ -16,8 +16,6 @@ connect, all_free, *_ = compiled(
     grow.distance,
     arm_loops.nearest,
     arm_loops.edge_free,
-    arm_loops.free,
-    arm_loops.in_box,
     arm_loops.ground,
     nogil=True,
     error_model="numpy",
@@ -27,10 +25,9 @@ connect, all_free, *_ = compiled(
 @cache
 def compile_now() -> None:
     """What is otherwise done at the first call, while a clock runs."""
-    row, box, one = np.empty((0, 4)), np.empty((0, 2, 3)), np.ones(1, np.int64)
-    world = arm_loops.World(
-        *(np.zeros(9), np.zeros(4), np.zeros(4), one[:0], one[:0] > 0, row, row, box, box, box),
-        *(np.zeros((2, 2)), np.ones(3), 1.0, one),
-    )
+    row, one = np.empty((0, 4)), np.ones(1, np.int64)
+    zeros = [np.zeros(shape) for shape in (9, (2, 4), (0, 6), (0, 4), (0, 7), (2, 2), 5)]
+    world = arm_loops.World(*zeros, one)
     trees, none = np.empty((2, 1, 4)), np.zeros((2, 1), np.int64)
+    all_free(world, row, False)
     connect(trees, none, np.ones(2, np.int64), row, 0, 1.0, 1.0, world)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -9,12 +10,22 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.arm.kinematics import forward_kinematics
-from backhoe.basics.inputs import instance, number, numbers, times, whole
+from backhoe.arm.kinematics import forward_kinematics, inverse_kinematics, pose
+from backhoe.basics.inputs import function, instance, number, numbers, times, whole
 from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.mission.loading import Run
+from backhoe.mission.parts import WayPoint, hand_made_plan
 from backhoe.perception.distance_field import covering_spheres
-from backhoe.planning.search import ArmWorld, Relief, few_spheres
+from backhoe.planning.search import (
+    ArmWorld,
+    LevelWorld,
+    Relief,
+    few_spheres,
+    in_time,
+    pitch,
+    rrt_connect,
+    shortcut,
+)
 from backhoe.simulation import forces
 from backhoe.simulation.clock import STEP, TICKS_PER_DIG
 from backhoe.simulation.scene import LOADING, Scene, untouched_ground
@@ -29,6 +40,18 @@ FEW = {"boom": 6, "stick": 4, "bucket": 6}
 
 ABOVE = 0.5
 """A way begins where the teeth are so far above the highest ground [m]."""
+
+STRIDE, RESOLUTION = 0.4, 0.04
+"""Longest edge of a search, and between two looks on it [rad]."""
+
+SLACK = 0.05
+"""What a way may come nearer between two looks and where its corners are rounded [m]."""
+
+SAME = 1e-6
+"""Joint angles closer than this are one posture [rad]."""
+
+SET_OFF, BETWEEN = 2.0, 0.5
+"""From rest to full speed, and from one way-point of a planned swing to the next [s]."""
 
 DEEP = 1e3
 """Depth of a ground that is not asked for [m]."""
@@ -68,6 +91,91 @@ def arm_world(
         margin=margin,
         machine=machine,
     )
+
+
+def level_way(
+    start: ArrayLike, goal: ArrayLike, world: ArmWorld, *, seed: int = 0, time_limit: float = 10.0
+) -> NDArray:
+    """A way of the loaded bucket: over the heap it turns to the goal's pitch, and keeps that.
+
+    What it cannot hold at that pitch falls where it came from. RRT-Connect and shortcuts.
+
+    Args:
+        start, goal: joint angles, shape (4,) [rad].
+        world: what must not be touched, and its margin.
+        seed: of the samples.
+        time_limit: of the search [s].
+
+    Returns:
+        Joint angles from start to goal, shape (n, 4) [rad].
+
+    Raises:
+        ValueError: start, also with the goal's pitch, or goal is not free.
+        NoPath: none was found in this time (a RuntimeError).
+    """
+    start = numbers(start, "start", (4,), meaning="joint angles [rad]")
+    goal = numbers(goal, "goal", (4,), meaning="joint angles [rad]")
+    level = LevelWorld(world, float(pitch(goal, instance(world, "world", ArmWorld).machine)))
+    limits = {"resolution": RESOLUTION, "seed": seed, "time_limit": time_limit}
+    path = rrt_connect(
+        start[:3], goal[:3], level.is_free, level.lower, level.upper, step=STRIDE, **limits
+    )
+    path = level.joints(shortcut(path, level.is_free, **limits))
+    path[-1] = goal
+    if np.abs(path[0] - start).max() <= SAME:
+        path[0] = start
+        return path
+    if not world.is_free(np.linspace(start, path[0], 20)).all():
+        raise ValueError("start must be free, also while the bucket turns to the goal's pitch")
+    path = np.vstack([start, path])
+    return path
+
+
+def planned_swing(
+    way: Callable[..., NDArray] = level_way,
+    scene: Scene = LOADING,
+    *,
+    margin: float = 0.4,
+    pace: float = 0.5,
+) -> Callable[[int], list[WayPoint]]:
+    """The hand-made plan with another way from the heap to the truck, for `mission.run(plan=...)`.
+
+    Args:
+        way: way(start, goal, world) -> joint angles from start to goal, shape (n, 4) [rad].
+        scene: where the run will be.
+        margin: that the movement keeps [m]; the world's `is_free` keeps 5 cm more.
+        pace: share of the joints' speed limits that is used, above 0 to 1 [1].
+
+    Returns:
+        plan(cycle) -> list of WayPoint. It raises what `way` does, and a ValueError for a way of
+        another shape or between other postures.
+
+    Raises:
+        ValueError: a negative margin, pace out of range.
+        TypeError: way cannot be called, scene is no Scene.
+    """
+    function(way, "way", "way(start, goal, world) -> joint angles (n, 4)")
+    rounded, world = (arm_world(scene, margin=margin + more) for more in (0.0, SLACK))
+    speed = number(pace, "pace", above=0.0, most=1.0) * BACKHOE.speed_limit
+
+    def plan(cycle: int) -> list[WayPoint]:
+        points = hand_made_plan(cycle)
+        at = [point.name for point in points].index("swing to the truck")
+        start, goal = (inverse_kinematics(point.target) for point in points[at - 1 : at + 1])
+        path = numbers(way(start.copy(), goal.copy(), world), "way", ("n", 4))
+        if np.abs(path[[0, -1]] - [start, goal]).max() > 1e-6:
+            raise ValueError("way must begin at start and end at goal")
+        moved = in_time(path, speed, speed / SET_OFF, is_free=rounded.is_free)
+        stops = np.linspace(0, len(moved.times) - 1, max(round(moved.times[-1] / BETWEEN), 1) + 1)
+        stops = stops.round().astype(int)[1:]
+        lasts = np.diff(moved.times[stops], prepend=0.0)
+        swing = [
+            WayPoint(points[at].name, float(last), tuple(pose(moved.q[stop]).tolist()))
+            for stop, last in zip(stops, lasts, strict=True)
+        ]
+        return [*points[:at], *swing, *points[at + 1 :]]
+
+    return plan
 
 
 class Carried(NamedTuple):
@@ -113,7 +221,7 @@ def carry(
 
     ground = untouched_ground(scene, machine, 0, STEP, soil)
     reach, still = forces.numbers_of(machine, True).reach, np.zeros(3)
-    full = ground.fill.retained(float(q[0, 1:].sum()) + _tilt(machine))
+    full = ground.fill.retained(float(pitch(q[0], machine)))
     most = ground.fill.heaped
     ground.bucket_volume = (
         full if volume is None else number(volume, "volume", "m^3", least=0.0, most=most)
@@ -189,7 +297,3 @@ def _spheres(machine: Machine, fine: bool) -> dict[str, NDArray]:
 def _box(parts: tuple) -> tuple[NDArray, NDArray]:
     corners = np.concatenate([part.vertices for part in parts])
     return corners.min(axis=0), corners.max(axis=0)
-
-
-def _tilt(machine: Machine) -> float:
-    return sum(link.angle_offset for link in machine.links)

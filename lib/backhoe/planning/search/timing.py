@@ -1,16 +1,20 @@
 """When to be where: a path without times becomes a movement that no joint is too slow for.
 
 The path is cut into pieces that take the same time if the busiest joint goes at its limit. The
-cuts are the control points of a uniform cubic B-spline, each end three times. Its speed is a mean of
-differences of neighbours, its acceleration one of second differences: the largest of these
-decide how long a piece must last, and speed and acceleration are within their limits everywhere,
-not only where one looks. It starts and ends at rest, and rounds the corners; how much, the length
-of the pieces decides. Source of the bounds: de Boor, A Practical Guide to Splines, chapter IX.
+cuts are the control points of a uniform cubic B-spline q(s), which rounds the corners. Along it the
+arm goes as fast as its joints can. With the speed v = ds/dt, q' and q'' along the path,
+
+    |q'| v <= speed limit,    |q''| v^2 + |q'| |dv/dt| <= acceleration limit,
+
+and v^2 at rest at both ends: one sweep forwards, in which it rises as fast as the second line
+allows, and one backwards. Source: Bobrow, Dubowsky and Gibson 1985, with a bound in place of each
+joint's own sign, so that the answer is a little slow and never too fast.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from math import ceil
 from typing import NamedTuple
 
@@ -21,6 +25,9 @@ from backhoe.basics.inputs import function, number, numbers, positive
 
 HALVINGS = 8
 """How often pieces are halved to keep a rounded corner free."""
+
+LOOKS = 40
+"""Places of each piece where the limits are looked at."""
 
 
 class Timed(NamedTuple):
@@ -63,9 +70,9 @@ def in_time(
     Args:
         path: shape (n, D), n at least 2 [rad].
         speed_limit, acceleration_limit: of each joint, shape (D,), above 0 [rad/s, rad/s^2].
-        dt: sampling time [s].
+        dt: sampling time, nearly [s].
         piece: longest time between two control points at full speed [s]; shorter pieces round the
-            corners less, and the movement is slower.
+            corners less, and the movement brakes there more.
         is_free: tells of points (k, D) whether they are free, shape (k,). Pieces are halved until
             all samples are.
 
@@ -90,27 +97,50 @@ def in_time(
     for _ in range(HALVINGS + 1):
         cuts = np.linspace(0.0, reached[-1], ceil(reached[-1] / piece) + 1)
         inner = np.stack([np.interp(cuts, reached, joint) for joint in path.T], axis=1)
-        points = np.concatenate([inner[[0, 0]], inner, inner[[-1, -1]]])
-        bends = np.abs(np.diff(points, 2, axis=0)) / most
-        movement = _spline(points, max(cuts[1], np.sqrt(bends.max())), dt)
+        ends = 2 * inner[[0, -1]] - inner[[1, -2]]
+        movement = _as_fast(np.vstack([ends[:1], inner, ends[1:]]), speed_limit, most, dt)
         if is_free is None or np.all(is_free(movement.q)):
             return movement
         piece /= 2
     raise ValueError("path must be free, and with some room at its corners: no rounding of it is")
 
 
-def _spline(points: NDArray, step: float, dt: float) -> Timed:
-    """The uniform cubic B-spline with a step of time between control points [s]."""
-    end = step * (len(points) - 3)
-    times = np.linspace(0.0, end, max(round(end / dt), 1) + 1)
-    first = np.minimum((times / step).astype(int), len(points) - 4)
-    u = (times / step - first)[:, None]
-    weights = (1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3
-    rates = -3 * (1 - u) ** 2, 9 * u**2 - 12 * u, -9 * u**2 + 6 * u + 3, 3 * u**2
+def _as_fast(points: NDArray, speed: NDArray, most: NDArray, dt: float) -> Timed:
+    """The spline of these control points, from rest to rest, as fast as the limits allow."""
+    s = np.linspace(0.0, len(points) - 3, (len(points) - 3) * LOOKS + 1)
+    q, slope, bend = (np.abs(part) if k else part for k, part in enumerate(_spline(points, s)))
+    slope = np.maximum(slope, 1e-12)
+    square = np.minimum((speed / slope) ** 2, most / np.maximum(bend, 1e-12)).min(axis=1)
+    square[[0, -1]] = 0.0
+    for order in (np.arange(len(s)), np.arange(len(s))[::-1]):
+        for here, after in pairwise(order):
+            rise = ((most - bend[here] * square[here]) / slope[here]).min()
+            square[after] = min(square[after], square[here] + 2 * s[1] * max(rise, 0.0))
+    v = np.sqrt(square)
+    at = np.r_[0.0, np.cumsum(2 * s[1] / (v[1:] + v[:-1]))]
+    times = np.linspace(0.0, at[-1], max(round(at[-1] / dt), 1) + 1)
+    k = np.clip(np.searchsorted(at, times, "right") - 1, 0, len(s) - 2)
+    gain = (square[k + 1] - square[k]) / (2 * s[1])
+    since = times - at[k]
+    place = np.clip(s[k] + v[k] * since + gain * since**2 / 2, s[k], s[k + 1])
+    q, slope, _ = _spline(points, place)
+    dq = slope * (v[k] + gain * since)[:, None]
+    pace = np.abs(np.diff(dq, axis=0)) / (times[1] * most)
+    late = max((np.abs(dq) / speed).max(), np.sqrt(pace.max()), 1.0)  # between two looks
+    return Timed(times * late, q, dq / late)
+
+
+def _spline(points: NDArray, s: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """The uniform cubic B-spline at s, its slope and its bend, each of shape (len(s), D)."""
+    first = np.minimum(s.astype(int), len(points) - 4)
+    u = (s - first)[:, None]
+    weights = (
+        ((1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, -3 * u**3 + 3 * u**2 + 3 * u + 1, u**3),
+        (-3 * (1 - u) ** 2, 9 * u**2 - 12 * u, -9 * u**2 + 6 * u + 3, 3 * u**2),
+        (6 * (1 - u), 18 * u - 12, -18 * u + 6, 6 * u),
+    )
     near = [points[first + k] for k in range(4)]
-    q = sum(w * p for w, p in zip(weights, near, strict=True)) / 6
-    dq = sum(w * p for w, p in zip(rates, near, strict=True)) / (6 * step)
-    return Timed(times, q, dq)
+    return tuple(sum(w * p for w, p in zip(row, near, strict=True)) / 6 for row in weights)
 
 
 def _path(path: ArrayLike) -> NDArray:

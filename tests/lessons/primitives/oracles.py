@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import comb
+
 import numpy as np
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
@@ -43,5 +45,48 @@ def parabolas_by_numpy(answer, times, x, half):
 
 
 # new_goals
+
+
+def a_very_stiff_spring_is_followed(answer, x, s, new_goal):
+    """(6.8) gives f of a spring without mass; (6.4) with the new goal says where it lies."""
+    g, x0 = x[-1], x[0]
+    f = -(g - x) + (g - x0) * s[:, None]
+    assert_allclose(answer, new_goal - (new_goal - x0) * s[:, None] + f, atol=1e-9)
+    assert_allclose(answer[0], x0, atol=1e-9)
+
+
+def ends_hold_and_the_shift_is_the_smoothest(answer, x, t, new_start, new_goal):
+    """What is added is the one quintic of time that rests at both ends: a linear system."""
+    A = []
+    for time in (t[0], t[-1]):
+        u = time - t[0]
+        A += [
+            [u**k for k in range(6)],
+            [k * u ** (k - 1) if k else 0.0 for k in range(6)],
+            [k * (k - 1) * u ** (k - 2) if k > 1 else 0.0 for k in range(6)],
+        ]
+    ends, still = [new_start - x[0], new_goal - x[-1]], np.zeros((2, x.shape[1]))
+    b = np.vstack([ends[0], still, ends[1], still])
+    added = np.vander(t - t[0], 6, increasing=True) @ np.linalg.solve(np.array(A), b)
+    assert_allclose(answer, x + added, rtol=1e-7, atol=1e-7)
+
+
+def digs_as_shown_and_ends_over_the_truck(answer, dig, load, shift):
+    """The dig as shown; then the load as shown and a shift made of Bernstein's polynomials."""
+    t, x = answer
+    assert x.shape == (len(t), 4)
+    assert_allclose(np.diff(t), t[1] - t[0], rtol=1e-9)
+    over = dig[0][-1]
+    assert_allclose(t[[0, -1]], [0.0, over + load[0][-1]], atol=0.02)
+    wanted = np.column_stack([np.interp(t, dig[0], column) for column in dig[1].T])
+    later = t > over
+    u = np.minimum((t[later] - over) / load[0][-1], 1.0)
+    moved = np.column_stack([np.interp(t[later] - over, load[0], c) for c in load[1].T])
+    m = sum(comb(5, k) * u**k * (1 - u) ** (5 - k) for k in (3, 4, 5))
+    wanted[later] = moved + m[:, None] * [*shift, 0.0, 0.0]
+    assert_allclose(x, wanted, atol=3e-3)
+    assert_allclose(x[-1], load[1][-1] + [*shift, 0.0, 0.0], atol=1e-9)
+    assert np.abs(np.diff(x, 2, axis=0)).max() < 2e-3
+
 
 # improvement

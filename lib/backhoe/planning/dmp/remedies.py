@@ -116,11 +116,11 @@ def end_exactly(
 ) -> tuple[NDArray, NDArray]:
     """The movement, shapes (m, d), bent so that it ends at the goal (d,) with the speed (d,).
 
-    What is missed is spread over the duration by minimum jerk, so that start, speed and
-    acceleration there stay what they were.
+    The place that is missed is spread over the duration by minimum jerk, the speed over its last
+    tenth, so that place, speed and acceleration at the start are what they were.
     """
-    u = share[:, None]
-    m, slope, _ = minimum_jerk(u)
+    m, slope, _ = minimum_jerk(share[:, None])
+    far, slow, last = goal - x[-1], speed - v[-1], 0.1 * duration
+    u = np.maximum(1 - (1 - share[:, None]) / 0.1, 0.0)
     q, bend = u**3 * (u - 1) * (4 - 3 * u), u**2 * (28 * u - 12 - 15 * u**2)
-    far, slow = goal - x[-1], speed - v[-1]
-    return x + far * m + slow * duration * q, v + far * slope / duration + slow * bend
+    return x + far * m + slow * last * q, v + far * slope / duration + slow * bend

@@ -1,7 +1,7 @@
 """`python tests/planning/write_practice.py` practises the dig and writes data/practice/dig.csv.
 
-Three methods, ten seeds each, 150 tries a seed: 4,500 digs, a quarter of an hour on two cores. CMA-ES
-is that of the package `cma` (in requirements-dev.txt): the peer, which the lessons do not need.
+Three methods, ten seeds each, 150 tries a seed: 4,500 digs, a quarter of an hour on two cores.
+CMA-ES is that of the package `cma` (requirements-dev.txt): the peer, which no lesson needs.
 """
 
 from __future__ import annotations

@@ -5,6 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
+from itertools import pairwise
+
+import numpy as np
+from numpy.testing import assert_allclose
+from scipy.optimize import lsq_linear
+
+from backhoe.arm.kinematics import forward_kinematics
+from backhoe.view.appearance import visuals
 
 # search
 
@@ -57,3 +65,40 @@ def each_way_is_added_up(answer, nodes, cost, new, radius, free):
 
 
 # spilling
+
+
+def the_nearest_point_of_a_box_by_least_squares(answer, spheres, low, high):
+    """The nearest point of the box: least squares within bounds."""
+    gaps = []
+    for *middle, radius in spheres:
+        nearest = lsq_linear(np.eye(3), middle, bounds=(low, high), tol=1e-14).x
+        nearest = np.where(np.abs(nearest - low) < 1e-6, low, nearest)
+        nearest = np.where(np.abs(nearest - high) < 1e-6, high, nearest)
+        gaps.append(np.linalg.norm(nearest - middle) - radius)
+    np.testing.assert_allclose(answer, min(gaps), atol=1e-5)
+
+
+def one_joint_is_at_its_limit_and_none_beyond(answer, path, speed_limit):
+    """With these times no joint is faster than its limit, and in each piece one is at it."""
+    moved = np.abs(path[1:] - path[:-1])
+    assert answer.shape == (len(path) - 1,) and (answer >= 0).all()
+    assert (moved <= answer[:, None] * speed_limit * (1 + 1e-12)).all()
+    np.testing.assert_allclose(np.max(moved - answer[:, None] * speed_limit, axis=1), 0, atol=1e-12)
+
+
+def level_all_the_way_and_no_mesh_in_a_box(answer, start, goal, world):
+    """The bucket's own axes keep their tilt, and no corner of the machine's meshes is in a box."""
+    assert_allclose(answer[0], start, atol=1e-9)
+    assert_allclose(answer[-1], goal, atol=1e-9)
+    pieces = pairwise(answer)
+    dense = np.concatenate([np.linspace(a, b, 25) for a, b in pieces])
+    assert (dense >= world.lower - 1e-12).all() and (dense <= world.upper + 1e-12).all()
+    frames = {link: forward_kinematics(dense, link) for link in ("boom", "stick", "tip")}
+    assert_allclose(frames["tip"][:, 2, :2], frames["tip"][[0], 2, :2], atol=1e-9)
+    looks = visuals(world.machine)
+    for link, frame in zip(("boom", "stick", "bucket"), frames.values(), strict=True):
+        corners = np.concatenate([part.vertices for part in looks[link]])
+        placed = np.einsum("nij,kj->nki", frame[:, :3, :3], corners) + frame[:, None, :3, 3]
+        assert placed[..., 2].min() > 0.0
+        for low, high in world._boxes:
+            assert not ((placed > low) & (placed < high)).all(axis=-1).any()

@@ -11,12 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import choice, function, numbers
-from backhoe.mission.parts import DRIVE_PARTS, GRADE_PARTS, PARTS, SURVEY_PARTS, Part
+from backhoe.mission.parts import (
+    AUTONOMY_PARTS,
+    DRIVE_PARTS,
+    GRADE_PARTS,
+    PARTS,
+    SURVEY_PARTS,
+    Part,
+)
 
 LIBRARY = "library"
 ESTIMATORS = ("odometry", "localisation")
-MAKERS = ("map",)
-_TABLES = PARTS | DRIVE_PARTS | SURVEY_PARTS | GRADE_PARTS
+MAKERS = ("map", "terrain")
+_TABLES = AUTONOMY_PARTS | PARTS | DRIVE_PARTS | SURVEY_PARTS | GRADE_PARTS
 _CALLS = {name: part.call for name, part in _TABLES.items()}
 
 

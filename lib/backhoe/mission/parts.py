@@ -123,6 +123,40 @@ GRADE_PARTS = {
 }
 """What `grade` takes."""
 
+AUTONOMY_PARTS = {
+    **{name: DRIVE_PARTS[name] for name in ("odometry", "localisation")},
+    "scan_filter": SURVEY_PARTS["scan_filter"],
+    "terrain": Part(
+        "terrain(corner, rows, columns, cell) -> a map with insert(points, origin, time), heights "
+        "and variance",
+        "x, y of its first height (2,), cells along y and x, their edge [m]; points (n, 3) of the "
+        "ground and where they are seen from (3,) [m]; heights, variance (rows, columns) [m, m^2], "
+        "NaN where unknown",
+        "09",
+    ),
+    "dig_choice": Part(
+        "dig_choice(heights, deviation, directions, reaches) -> strip or None",
+        "heights above the tracks' ground and their deviation (n, m) [m], NaN where unseen, at "
+        "directions (n,) from ahead to the left [rad] and reaches (m,) from the swing axis [m]; a "
+        "strip has direction [rad], start [m] and depth [m]; None: the heap is gone",
+        "14",
+    ),
+    "primitive": Part(
+        "primitive(strip, heights, directions, reaches) -> times, path",
+        "times (n,) [s] and x, y, z of the stick's tip in the base frame [m] and bucket angle "
+        "[rad], (n, 4), that dig the strip and lift the bucket",
+        "10",
+    ),
+    "planner": Part(
+        "planner(start, goal, is_free) -> path",
+        "joint angles (n, 4) [rad] from start (4,) to goal (4,); is_free(q (n, 4)) -> (n,) says "
+        "where the arm touches nothing",
+        "11",
+    ),
+    "controller": PARTS["controller"],
+}
+"""What the machine alone takes, `autonomy.run`; a class will do for the terrain."""
+
 STROKE = (
     ("turn to the heap", 4.5, 6.3, 4.2, 60),
     ("cut in", 2.5, 6.0, 1.9, 84),

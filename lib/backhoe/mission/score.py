@@ -11,6 +11,8 @@ from backhoe import simulation
 from backhoe.basics.angles import wrap
 from backhoe.basics.inputs import instance
 from backhoe.machine import Machine
+from backhoe.mission.autonomy.report import AutonomyScore, scored
+from backhoe.mission.autonomy.running import AutonomyRun
 from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
@@ -273,8 +275,8 @@ def _reference_grading(**settings: object) -> SurfaceScore:
 
 
 def score(
-    run: Run | DriveRun | SurveyRun | GradingRun,
-) -> Score | DriveScore | SurveyScore | SurfaceScore:
+    run: Run | DriveRun | SurveyRun | GradingRun | AutonomyRun,
+) -> Score | DriveScore | SurveyScore | SurfaceScore | AutonomyScore:
     """Measure a run beside the same run with the library's parts only.
 
     The reference runs in a new world of the same scene and soil, by the same backend if it is the
@@ -283,7 +285,7 @@ def score(
     reference: drive the plant again without your tracker.
 
     Args:
-        run: what `mission.run`, `drive`, `survey` or `grade` returned.
+        run: what `mission.run`, `drive`, `survey`, `grade` or `autonomy.run` returned.
 
     Returns:
         The score; `print` shows it beside the reference.
@@ -291,8 +293,11 @@ def score(
     Raises:
         TypeError: run is something else.
     """
-    kinds = (Run, DriveRun, SurveyRun, GradingRun)
-    instance(run, "run", kinds, "take what mission.run, drive, survey or grade returned")
+    kinds = (Run, DriveRun, SurveyRun, GradingRun, AutonomyRun)
+    advice = "take what mission.run, drive, survey, grade or autonomy.run returned"
+    instance(run, "run", kinds, advice)
+    if isinstance(run, AutonomyRun):
+        return scored(run)
     if isinstance(run, GradingRun):
         reference = _reference_grading(**run.settings) if run.swapped else None
         return replace(_measure_grading(run), reference=reference)

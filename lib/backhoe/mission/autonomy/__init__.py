@@ -1,8 +1,14 @@
-"""The whole mission alone: look, choose, dig, load, until the truck is full.
+"""The whole mission alone: drive to the heap, look, choose, dig, load, until the truck is full.
 
+- `actions`: movements as goals in a queue, with feedback, results and cancelling
+- `body`: the machine that moves and minds itself; `eyes`: what it sees
+- `cycle`: what to do next, and what to do when something is not as ordered
+- `faults`: what can go wrong; `running`: `run` and what it keeps; `report`: its score
 - `choice`: where to dig; `heaps`: how much soil a choice brings
+- `ways`: from the heap to the truck; `engine` compiles `loops`
 """
 
+from backhoe.mission.autonomy.actions import Action, ActionServer, Feedback, Goal, along, reach
 from backhoe.mission.autonomy.choice import (
     DIRECTIONS,
     REACHES,
@@ -19,14 +25,30 @@ from backhoe.mission.autonomy.choice import (
     side_load,
     stroke,
 )
+from backhoe.mission.autonomy.cycle import Load, Order
+from backhoe.mission.autonomy.faults import FAULTS, Fault
 from backhoe.mission.autonomy.heaps import Loads, heap_site, job, seen
+from backhoe.mission.autonomy.report import AutonomyScore, clearances, report
+from backhoe.mission.autonomy.running import AutonomyRun, run, site
 
 __all__ = [
     "DIRECTIONS",
+    "FAULTS",
     "REACHES",
+    "Action",
+    "ActionServer",
+    "AutonomyRun",
+    "AutonomyScore",
+    "Fault",
+    "Feedback",
+    "Goal",
+    "Load",
     "Loads",
+    "Order",
     "Strip",
+    "along",
     "best_strip",
+    "clearances",
     "cut_depth",
     "cycle_time",
     "edge",
@@ -37,7 +59,11 @@ __all__ = [
     "job",
     "polar",
     "random_strip",
+    "reach",
+    "report",
+    "run",
     "seen",
     "side_load",
+    "site",
     "stroke",
 ]

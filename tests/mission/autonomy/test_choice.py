@@ -46,7 +46,7 @@ def test_a_map_is_seen_from_the_swing_axis_wherever_the_machine_stands():
 def test_the_edge_enters_where_the_strip_begins_and_as_deep(strip):
     heights = ridge(1.2)
     _, q = moved(strip, heights)
-    times, path = autonomy.stroke(strip, heights, *VIEW)
+    _, path = autonomy.stroke(strip, heights, *VIEW)
     cut_in = kinematics.forward_kinematics(kinematics.inverse_kinematics(path[1]))
     x, y, z = cut_in[:3, 3]
     direction = np.arctan2(y, x - BACKHOE.base.offset)

@@ -111,10 +111,10 @@ def seen(heights: NDArray) -> NDArray:
     """What an eye above the swing axis sees past what is nearer.
 
     Args:
-        heights: of `DIRECTIONS` and `REACHES`, (n, m) [m].
+        heights: of `DIRECTIONS` and `REACHES`, shape (n, m) [m].
 
     Returns:
-        The heights, NaN where something hides them, (n, m) [m].
+        The heights, NaN where something hides them, shape (n, m) [m].
     """
     slope = (heights - EYE) / REACHES
     highest = np.maximum.accumulate(np.nan_to_num(slope, nan=-np.inf), axis=1)

@@ -177,8 +177,22 @@ def expected_fill(strip: Strip, heights: NDArray, directions: NDArray, reaches: 
         ],
         axis=0,
     )
-    kept = reaches <= np.asarray(strip.start)[..., None] - LOST + 1e-9
-    volume = 2 * half * (reaches[1] - reaches[0]) * np.sum(kept * depth, axis=-1)
+    return bucket_fill(depth, reaches, strip.start)
+
+
+def bucket_fill(depth: NDArray, reaches: NDArray, start: float) -> float:
+    """Soil that a cut leaves in the bucket: all but that of the first `LOST` metres, up to `FULL`.
+
+    Args:
+        depth: of the cut below the surface at each of the reaches, shape (m,) [m].
+        reaches: evenly spaced, shape (m,) [m].
+        start: where the edge enters; it comes nearer from there [m].
+
+    Returns:
+        Volume [m^3]; for depth (k, m) and start (k,) shape (k,).
+    """
+    kept = reaches <= np.asarray(start)[..., None] - LOST + 1e-9
+    volume = BACKHOE.shell.width * (reaches[1] - reaches[0]) * np.sum(kept * depth, axis=-1)
     return np.minimum(volume, FULL)
 
 
@@ -229,19 +243,37 @@ def best_strip(
     deviation = inputs.numbers(deviation, "deviation", heights.shape, finite=False)
     ground = heights - deviation, directions, reaches
     starts, depths = map(np.ravel, np.meshgrid(STARTS, DEPTHS, indexing="ij"))
-    found, most = None, 0.0
-    for direction in directions:
-        time = cycle_time(direction, truck)
-        if FULL / time <= most:
-            continue
-        strips = Strip(direction, starts, depths)
-        fill = expected_fill(strips, *ground)
-        fill[np.abs(side_load(strips, *ground)) > MOST_SIDE_LOAD] = 0.0
-        k = int(fill.argmax())
-        if fill[k] >= LEAST and fill[k] / time > most:
-            most = fill[k] / time
-            found = Strip(float(direction), float(starts[k]), float(depths[k]))
-    return found
+    strips = [Strip(direction, starts, depths) for direction in directions]
+    fill, side = (
+        np.array([judge(strip, *ground) for strip in strips])
+        for judge in (expected_fill, side_load)
+    )
+    found = best_of(fill, side, directions, truck)
+    if found is None:
+        return None
+    i, k = found
+    return Strip(float(directions[i]), float(starts[k]), float(depths[k]))
+
+
+def best_of(
+    fill: NDArray, side: NDArray, directions: NDArray, truck: float = pi / 2
+) -> tuple[int, int] | None:
+    """Which of some strips brings most soil a second and does not push the bucket aside too much.
+
+    Args:
+        fill: expected of strips in n directions, k in each, shape (n, k) [m^3].
+        side: their side loads, shape (n, k) [N m].
+        directions: shape (n,) [rad].
+        truck: its direction [rad].
+
+    Returns:
+        Row and column, or None where no strip that may be dug brings `LEAST`.
+    """
+    may = (np.abs(side) <= MOST_SIDE_LOAD) & (fill >= LEAST)
+    times = np.array([cycle_time(float(direction), truck) for direction in directions])
+    rate = np.where(may, fill / times[:, None], 0.0)
+    i, k = np.unravel_index(int(rate.argmax()), rate.shape)
+    return (int(i), int(k)) if may[i, k] else None
 
 
 def highest_strip(

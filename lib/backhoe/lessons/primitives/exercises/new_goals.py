@@ -146,7 +146,7 @@ def moved_cycle(dig: tuple, load: tuple, shift: NDArray) -> tuple[NDArray, NDArr
 
 def _cycles(rng: np.random.Generator) -> list[tuple]:
     dig, load = (tuple(demonstration(name, 0.02)) for name in ("dig", "load"))
-    shifts = [[-2.4, 0.2], [1.0, -0.3], *rng.uniform([-2.0, -0.4], [1.5, 0.2], (4, 2))]
+    shifts = [[-3.2, 0.2], [1.0, -0.3], *rng.uniform([-2.0, -0.4], [1.5, 0.2], (4, 2))]
     return [(dig, load, np.array(shift)) for shift in shifts]
 
 

@@ -132,9 +132,11 @@ class ArmWorld:
         Raises:
             ValueError: as `clearance`.
         """
+        from backhoe.planning.search import engine
+
         q = numbers(q, "q", (..., 4), meaning="joints (swing, boom, stick, bucket)")
-        within = ((q >= self.lower) & (q <= self.upper)).all(axis=-1)
-        return within & (self.clearance(q) >= self.margin)
+        flat = np.ascontiguousarray(q.reshape(-1, 4))
+        return engine.all_free(self.numbers, flat, False).reshape(q.shape[:-1])
 
     def _gap(self, q: NDArray) -> NDArray:
         """Clearance of postures (n, 4), shape (n,) [m]."""

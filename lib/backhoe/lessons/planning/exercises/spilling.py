@@ -157,12 +157,12 @@ _PITCH = np.radians(-172.0)
 
 def _hauls(rng: np.random.Generator) -> list[tuple]:
     cases = []
-    for k in range(3):
+    for k in range(2):
         truck = replace(
             LOADING.truck, x=rng.uniform(0.4, 1.4), y=rng.uniform(5.0, 5.2), floor=1.25, wall=2.05
         )
         world = arm_world(replace(LOADING, truck=truck), margin=0.3)
-        start = _level((0.4 + rng.uniform(5.3, 5.7), rng.uniform(-1.0, 0.5), (2.9, 3.1, 3.3)[k]))
+        start = _level((0.4 + rng.uniform(5.3, 5.7), rng.uniform(-1.0, 0.5), (2.9, 3.3)[k]))
         cases.append((start, _level((truck.x - 0.4, truck.y + 0.3, 3.85)), world))
     return cases
 
@@ -231,7 +231,7 @@ WAY = Exercise(
     ),
     compare=_is_a_way,
     timeout=60.0,
-    tested_on="three trucks and starts: clearance, joints and the bucket's tilt every 0.6 deg",
+    tested_on="two trucks and starts: clearance, joints and the bucket's tilt every 0.6 deg",
 )
 
 EXERCISES = (GAP, TIMES, WAY)

@@ -182,13 +182,13 @@ class ActionServer:
     def _trajectory(self, at: NDArray, q_way: NDArray) -> tuple[NDArray, NDArray]:
         """Angles and speeds at all steps after the first; slower where a joint cannot follow."""
         q_way = np.vstack([self.q_ref, q_way[1:]])
-        for _ in range(2):
+        for _ in range(4):
             t = np.arange(1, round(at[-1] / self.dt) + 1) * self.dt
             q, dq = smooth_trajectory(at, q_way, np.minimum(t, at[-1]))
             excess = float((np.abs(dq) / self.machine.speed_limit).max())
             if excess <= 1.0:
                 break
-            at = at * excess * 1.001
+            at = at * excess * 1.01
         return q, dq
 
     def _report(self, action: Action, q: NDArray) -> None:

@@ -21,7 +21,7 @@ from backhoe.mission.autonomy.actions import Goal, along
 from backhoe.mission.autonomy.body import Body, Doubt, Halt
 from backhoe.mission.autonomy.choice import DIRECTIONS, REACHES, best_strip, polar, stroke
 from backhoe.mission.autonomy.eyes import AREA, Eyes, Ground, filled
-from backhoe.mission.autonomy.ways import MARGINS, around, carrying, moved, world_seen
+from backhoe.mission.autonomy.ways import MARGINS, around, carrying, moved, raised, world_seen
 from backhoe.mission.calls import call_part
 from backhoe.simulation.scene import Scene
 from backhoe.vehicle.tracking import from_points
@@ -102,6 +102,7 @@ class Mission:
         self._drive_to(self._stand)
         self._look()
         self._come_near()
+        self._above_truck()
         begin, poor = self.body.time, 0
         while len(self.loads) < self.order.loads:
             if sum(load.weighed for load in self.loads) >= self.order.wanted:
@@ -310,11 +311,13 @@ class Mission:
             goal = inverse_kinematics(target, machine=self.machine)
             if truck is None:
                 return moved(np.stack([q, goal]))
-            for margin in MARGINS:
-                world = world_seen(size, terrain, belief, margin, self.machine)
-                if world.is_free(np.stack([q, goal])).all():
-                    break
-            return moved(self._ask("planner", around, q, goal, world.is_free))
+            for begin in (q, raised(q, self.machine)):
+                for margin in MARGINS:
+                    world = world_seen(size, terrain, belief, margin, self.machine)
+                    if world.is_free(np.stack([begin, goal])).all():
+                        path = self._ask("planner", around, begin, goal, world.is_free)
+                        return moved(path if begin is q else np.vstack([q, path]))
+            raise ValueError("above the truck or here the arm has no room")
 
         self._arm(Goal(name, motion))
 

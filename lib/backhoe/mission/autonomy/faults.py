@@ -56,11 +56,12 @@ class Fault:
 @dataclass(frozen=True)
 class LostScan(Fault):
     name: str = "lost scan"
-    what: str = "the lasers return nothing at `count` looks from the second one on"
+    what: str = "the lasers return nothing at `count` looks from look `first` on, 0 the first"
+    first: int = 1
     count: int = 1
 
     def ranges(self, look: int, ranges: NDArray) -> NDArray:
-        return np.full_like(ranges, np.nan) if 1 <= look < 1 + self.count else ranges
+        return np.full_like(ranges, np.nan) if 0 <= look - self.first < self.count else ranges
 
 
 @dataclass(frozen=True)

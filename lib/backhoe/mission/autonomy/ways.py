@@ -15,6 +15,7 @@ from backhoe.mission.autonomy.eyes import at, filled
 from backhoe.mission.hauling import arm_world
 from backhoe.planning.search import ArmWorld, in_time, pitch, rrt_connect, shortcut
 from backhoe.simulation.scene import Scene, Truck
+from backhoe.view.appearance.truck import CAB_GAP, CAB_LENGTH
 
 MARGINS = (0.4, 0.2, 0.05, 0.0)
 """Distances from the truck that are tried, one after another [m]."""
@@ -30,6 +31,9 @@ FAST = np.array([0.5, 0.5, 0.7, 1.3])
 
 SOFT = np.array([0.4, 0.5, 0.9, 2.0])
 """How fast they speed up and slow down then [rad/s^2]."""
+
+RAISED = 4.2
+"""A way that would begin in what is around begins by raising the stick's tip to this [m]."""
 
 DETOURS = ((4.6, 4.2), (4.2, 4.6), (5.0, 4.6))
 """Reach and height of the stick's tip [m] half way, of the simple ways that are tried first."""
@@ -51,7 +55,7 @@ def world_seen(
 ) -> ArmWorld:
     """What the arm must not touch, as the machine sees it, in its base frame.
 
-    The truck is taken to stand along the machine's nose; what that is off adds to the margin.
+    The truck is taken to stand along the machine's nose, and for as much wider as it does not.
 
     Args:
         truck: where it was seen, in the world.
@@ -64,13 +68,19 @@ def world_seen(
 
     c, s = np.cos(belief[2]), np.sin(belief[2])
     dx, dy = truck.x - belief[0], truck.y - belief[1]
-    near = replace(truck, x=float(dx * c + dy * s), y=float(dy * c - dx * s))
+    nose = truck.bed_length / 2 + CAB_GAP + CAB_LENGTH
+    near = replace(
+        truck,
+        x=float(dx * c + dy * s),
+        y=float(dy * c - dx * s),
+        bed_width=float(truck.bed_width + 2 * nose * abs(s)),
+    )
     scene = Scene((-SIDE, -SIDE), CELLS, CELLS, 2 * SIDE / (CELLS - 1), truck=near)
     x, y = scene.grid()
     wx, wy = belief[0] + x * c - y * s, belief[1] + x * s + y * c
     heights = np.nan_to_num(at(filled(np.asarray(terrain.heights)), wx, wy), nan=0.0)
     heights = grey_dilation(heights, structure=-STEEP * np.hypot(*_AROUND) * scene.cell)
-    return arm_world(scene, heights, margin=margin + truck.bed_length / 2 * abs(s), machine=machine)
+    return arm_world(scene, heights, margin=margin, machine=machine)
 
 
 def around(start: NDArray, goal: NDArray, is_free: Callable) -> NDArray:
@@ -101,6 +111,14 @@ def around(start: NDArray, goal: NDArray, is_free: Callable) -> NDArray:
 
     path = rrt_connect(start[:3], goal[:3], free, lower[:3], upper[:3])
     return joints(dense(shortcut(path, free, DENSE)))
+
+
+def raised(q: NDArray, machine: Machine = BACKHOE) -> NDArray:
+    """A posture (4,) [rad] above another, in the same direction, its bucket at the same pitch."""
+    x, y, z, _ = pose(q, machine=machine)
+    up = inverse_kinematics([x, y, max(z, RAISED), 0.0], machine=machine)
+    up[3] = np.clip(q[1:].sum() - up[1:3].sum(), machine.lower[3], machine.upper[3])
+    return up
 
 
 def carrying(q: NDArray, machine: Machine = BACKHOE) -> float:

@@ -137,6 +137,21 @@ def test_a_way_to_the_truck_keeps_off_it_and_stays_level():
     np.testing.assert_allclose(q[[0, -1]], [start, goal], atol=1e-9)
 
 
+def test_a_bucket_at_the_end_of_its_joint_is_planned_for_nevertheless():
+    start, goal = np.array([-1.6, 0.48, -0.02, 0.0]), np.array([0.42, 0.476, 0.356, 0.0])
+    start[3], goal[3] = carrying(start), carrying(goal)
+    assert goal[3] == BACKHOE.lower[3]
+    wall = 0.6
+
+    def is_free(q):
+        within = ((q >= BACKHOE.lower) & (q <= BACKHOE.upper)).all(axis=-1)
+        return within & ((np.abs(q[..., 0] + 0.6) > 0.1) | (q[..., 1] > wall))
+
+    path = around(start, goal, is_free)
+    assert is_free(dense(path)).all()
+    np.testing.assert_allclose(path[[0, -1]], [start, goal], atol=1e-6)
+
+
 def test_gaps_between_the_lines_are_filled_from_their_neighbours_only():
     plane = 0.1 * np.arange(40)[:, None] + 0.05 * np.arange(60)
     seen = plane.copy()

@@ -104,7 +104,7 @@ def around(start: NDArray, goal: NDArray, is_free: Callable) -> NDArray:
         share = np.clip((p[..., :1] - start[0]) / (goal[0] - start[0] + 1e-9), 0.0, 1.0)
         wanted = ends[0] + share * (ends[1] - ends[0])
         bucket = wanted - pitch(np.concatenate([p, np.zeros_like(share)], axis=-1))[..., None]
-        return np.concatenate([p, bucket], axis=-1)
+        return np.concatenate([p, bucket.clip(lower[3], upper[3])], axis=-1)
 
     def free(p: NDArray) -> NDArray:
         return is_free(joints(p))
@@ -164,5 +164,6 @@ def _levelled(way: NDArray) -> NDArray:
     ends, way = pitch(way[[0, -1]]), dense(way)
     share = np.linspace(0.0, 1.0, len(way))
     now = pitch(np.c_[way[:, :3], np.zeros(len(way))])
-    way[:, 3] = ends[0] + share * (ends[1] - ends[0]) - now
+    bucket = ends[0] + share * (ends[1] - ends[0]) - now
+    way[:, 3] = bucket.clip(BACKHOE.lower[3], BACKHOE.upper[3])
     return way

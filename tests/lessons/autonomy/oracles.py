@@ -7,8 +7,10 @@ from math import pi
 import numpy as np
 import pytest
 
+from backhoe.arm.kinematics import forward_kinematics, inverse_kinematics
 from backhoe.mission import autonomy
 from backhoe.mission.autonomy import DIRECTIONS, REACHES, Strip, choice
+from backhoe.mission.parts import STROKE as PLAN
 
 # decisions
 
@@ -69,3 +71,47 @@ def best_of_strips_tried_at_random(answer, heights, deviation, directions, reach
 
 
 # report
+
+
+def a_foremans_book(answer, begins, ends, dug, loaded, time, power):
+    """Buckets and steps counted one by one."""
+    ways = [begins[k] - begins[k - 1] for k in range(1, len(begins))]
+    joules = 0.0
+    for k in range(1, len(time)):
+        if power[k] > 0:
+            joules += power[k] * (time[k] - time[k - 1])
+    seconds = ends[-1] - begins[0]
+    by_hand = np.mean(ways), sum(dug) / len(dug) / 0.764, sum(loaded) * 3600 / seconds
+    np.testing.assert_allclose(answer, [*by_hand, joules / 3600 / 1000], rtol=1e-9)
+
+
+def words_of_ones(answer, gyro, left, right, sigma, count):
+    """Flags as a text: where `count` ones stand together for the first time."""
+    rate = (0.35 * right - 0.35 * left) / 2.38
+    flags = "".join("1" if not -3 * sigma <= r <= 3 * sigma else "0" for r in gyro - rate)
+    first = flags.find("1" * count)
+    assert answer == (first + count - 1 if first >= 0 else -1)
+
+
+def a_stroke_that_begins_and_ends_right(answer, strip, heights, directions, reaches):
+    """By the arm's geometry: the edge at the start, at its depth or 0.05 m above the ground at the
+    lowest; the bucket with the slopes of the hand-made stroke; lifted where that lifts."""
+    times, path = answer
+    np.testing.assert_allclose(times, [0.0, 2.5, 4.9, 6.9, 9.9])
+    q = inverse_kinematics(path, on_failure="nan")
+    assert np.isfinite(q).all()
+    x, y, z = forward_kinematics(q)[:, :3, 3].T
+    np.testing.assert_allclose(np.arctan2(y, x - 0.4), strip.direction, atol=1e-6)
+    row = int(np.abs(directions - strip.direction).argmin())
+    surface = np.interp(strip.start, reaches, heights[row])
+    assert np.hypot(x - 0.4, y)[1] == pytest.approx(strip.start, abs=1e-6)
+    wanted = max(surface - strip.depth, 0.05 + 0.2587)
+    assert z[1] == pytest.approx(wanted, abs=5e-4)
+    tips = np.array([(r, z) for _, _, r, z, _ in PLAN])
+    angles = np.radians([angle for *_, angle in PLAN])
+    by_hand = inverse_kinematics(np.c_[0.4 + tips[:, 0], 0 * tips[:, 0], tips[:, 1], angles])
+    np.testing.assert_allclose(q[:, 1:].sum(1), by_hand[:, 1:].sum(1), atol=1e-6)
+    reach = np.hypot(path[:, 0] - 0.4, path[:, 1])
+    np.testing.assert_allclose(np.diff(reach[:4]), np.diff(tips[:4, 0]), atol=1e-6)
+    np.testing.assert_allclose(np.diff(path[1:4, 2]), np.diff(tips[1:4, 1]), atol=1e-6)
+    np.testing.assert_allclose([path[0, 2], reach[4], path[4, 2]], [4.2, 5.8, 3.4], atol=1e-6)

@@ -67,7 +67,7 @@ def test_the_phase_solves_its_equation_and_ends_where_it_should():
 def test_wrong_springs_are_refused():
     with pytest.raises(ValueError, match="one of exact, euler"):
         step_matrix(0.1, 1, 1, 1, "heun")
-    with pytest.raises(ValueError, match="stiffness must be one number above 0"):
+    with pytest.raises(ValueError, match="stiffness must be one number at least 1e-06"):
         step_matrix(0.1, -1, 1, 1)
     with pytest.raises(ValueError, match="end_phase must be one number above 0 and below 1"):
         phase(0.0, 1.0, 1.0)

@@ -18,7 +18,8 @@ from backhoe.planning.dmp.remedies import Coupling
 def _stiffness(dmp: DMP, gain: float, duration: float | None) -> float:
     """gain K / tau^2 of the primitive when it lasts so long [1/s^2]."""
     inputs.instance(dmp, "dmp", DMP)
-    stretch = 1.0 if duration is None else inputs.positive(duration, "duration", "s") / dmp.duration
+    whole = dmp.duration if duration is None else duration
+    stretch = inputs.number(whole, "duration", "s", least=1e-6, most=1e9) / dmp.duration
     return inputs.positive(gain, "gain") * dmp.stiffness / (dmp.tau * stretch) ** 2
 
 

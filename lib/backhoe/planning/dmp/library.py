@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics import inputs
 from backhoe.planning.dmp.phase import minimum_jerk
 from backhoe.planning.dmp.primitive import DMP
+from backhoe.planning.dmp.spring import whole_steps
 
 _SETTINGS = ("stiffness", "damping", "tau", "formulation", "fit", "ridge", "smoothing")
 _KERNELS = ("width", "spacing", "end_phase")
@@ -124,16 +125,21 @@ def sequence(
     primitives, dt = inputs.instances(primitives, "primitives", DMP), inputs.positive(dt, "dt", "s")
     if not primitives:
         raise ValueError("primitives must hold one or more, got none")
-    goals, durations = ([None] * len(primitives) if x is None else x for x in (goals, durations))
+    goals, durations = (
+        [None] * len(primitives) if x is None else inputs.instance(x, name, (list, tuple))
+        for name, x in (("goals", goals), ("durations", durations))
+    )
     if len(goals) != len(primitives) or len(durations) != len(primitives):
         raise ValueError(
             f"goals and durations must be one a primitive, {len(primitives)}, "
             f"got {len(goals)} and {len(durations)}"
         )
-    shared = round(inputs.not_negative(blend, "blend", "s") / dt)
+    blend = inputs.not_negative(blend, "blend", "s")
+    shared = whole_steps(blend, dt) if blend else 0
     x = v = None
     for one, goal, duration in zip(primitives, goals, durations, strict=True):
-        steps = round((one._learnt().duration if duration is None else duration) / dt)
+        whole = one._learnt().duration if duration is None else duration
+        steps = whole_steps(inputs.positive(whole, "durations", "s"), dt)
         if steps <= shared:
             raise ValueError(f"blend must be shorter than each movement, got {blend} s")
         options_ = {"goal": goal, "duration": steps * dt, "dt": dt, **options}

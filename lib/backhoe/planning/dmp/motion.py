@@ -12,6 +12,9 @@ from backhoe.basics import inputs
 LEAST = 5
 """Samples of a demonstration."""
 
+SHORTEST, LARGEST = 1e-9, 1e9
+"""Time between two samples [s]; positions and durations [unit, s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -33,9 +36,7 @@ class Motion:
         return float(self.t[-1])
 
 
-def motion(
-    positions: ArrayLike, times: ArrayLike, smoothing: float = 0.0, name: str = "positions"
-) -> Motion:
+def motion(positions: ArrayLike, times: ArrayLike, smoothing: float = 0.0) -> Motion:
     """A demonstration with its velocities and accelerations.
 
     Args:
@@ -43,24 +44,28 @@ def motion(
         times: rising, shape (m,), or the step between samples, shape () [s].
         smoothing: half width of the window in which a parabola is fitted to the samples around each
             time; 0: three neighbours give the differences, noise and all [s].
-        name: what errors call the positions.
 
     Raises:
         ValueError: too few samples, not finite, another shape, times that repeat or fall, or fewer
             than 5 samples in a window of the smoothing.
     """
-    x = inputs.numbers(positions, name)
-    x = inputs.numbers(x[:, None] if x.ndim == 1 else x, name, ("m", "d"))
+    x = inputs.numbers(positions, "positions", within=LARGEST)
+    x = inputs.numbers(x[:, None] if x.ndim == 1 else x, "positions", ("m", "d"))
     if len(x) < LEAST:
-        raise ValueError(f"{name} must have {LEAST} or more samples in a row, got {len(x)}")
+        raise ValueError(f"positions must have {LEAST} or more samples in a row, got {len(x)}")
     given = inputs.numbers(times, "times")
     if given.ndim == 0:
-        t = inputs.positive(times, "times", "s") * np.arange(len(x))
+        t = inputs.number(times, "times", "s", above=0.0, most=LARGEST) * np.arange(len(x))
     else:
         t = inputs.times(given, "times")
         if len(t) != len(x):
-            raise ValueError(f"times must be as many as {name}, {len(x)}, got {len(t)}")
+            raise ValueError(f"times must be as many as positions, {len(x)}, got {len(t)}")
         t = t - t[0]
+    if not np.diff(t).min() >= SHORTEST or t[-1] > LARGEST:
+        raise ValueError(
+            f"times must be {SHORTEST:g} s or more apart and last at most {LARGEST:g} s, got "
+            f"{np.diff(t).min():.3g} s and {t[-1]:.3g} s"
+        )
     half = inputs.not_negative(smoothing, "smoothing", "s")
     from backhoe.planning.dmp import engine
 

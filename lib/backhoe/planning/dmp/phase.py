@@ -11,7 +11,7 @@ from math import exp, log
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import number, numbers, positive
+from backhoe.basics.inputs import number, numbers
 
 END_PHASE = exp(-5.25)
 """Phase at the end of a movement, 0.0052: (6.10)."""
@@ -28,7 +28,8 @@ def phase_rate(duration: float, tau: float = 1.0, end_phase: float = END_PHASE) 
     Raises:
         ValueError: an argument that is not a number within its bounds.
     """
-    duration, tau = positive(duration, "duration", "s"), positive(tau, "tau", "s")
+    duration = number(duration, "duration", "s", least=1e-9, most=1e9)
+    tau = number(tau, "tau", "s", least=1e-6, most=1e9)
     return -log(number(end_phase, "end_phase", above=0.0, below=1.0)) * tau / duration
 
 
@@ -49,9 +50,13 @@ def phase(t: ArrayLike, duration: float, end_phase: float = END_PHASE) -> NDArra
     return np.exp(-phase_rate(duration, 1.0, end_phase) * numbers(t, "t"))
 
 
-def minimum_jerk(u: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """From 0 to 1 and at rest at both ends: value, slope and curvature over u in 0..1, its shape
-    [1]."""
+def minimum_jerk(u: ArrayLike) -> tuple[NDArray, NDArray, NDArray]:
+    """From 0 to 1 and at rest at both ends: value, slope and curvature at u in 0..1, its shape [1].
+
+    Raises:
+        ValueError: not numbers from 0 to 1.
+    """
+    u = numbers(u, "u", within=1.0 + 1e-9)
     return (
         u**3 * (10 - 15 * u + 6 * u**2),
         30 * u**2 * (1 - u) ** 2,

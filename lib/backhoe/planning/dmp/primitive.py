@@ -79,10 +79,10 @@ class DMP:
         smoothing: float = 0.0,
     ) -> None:
         self.kernels = Kernels(kernels, width, spacing, end_phase)
-        self.stiffness = inputs.positive(stiffness, "stiffness")
-        damping = 2 * self.stiffness**0.5 if damping is None else damping
-        self.damping = inputs.positive(damping, "damping")
-        self.tau = inputs.positive(tau, "tau", "s")
+        if damping is None:
+            damping = 2 * inputs.positive(stiffness, "stiffness") ** 0.5
+        spring_ = spring.checked(stiffness, inputs.positive(damping, "damping"), tau)
+        self.stiffness, self.damping, self.tau = spring_
         self.formulation = inputs.choice(formulation, "formulation", FORMULATIONS)
         self.fit = inputs.choice(fit, "fit", FITS)
         self.ridge = inputs.not_negative(ridge, "ridge")
@@ -155,7 +155,9 @@ class DMP:
             Times of the mean duration (samples,) [s]; means and standard deviations, shapes
             (samples, d) [unit].
         """
-        share = np.linspace(0.0, 1.0, inputs.whole(samples, "samples", least=2))
+        share = np.linspace(
+            0.0, 1.0, inputs.whole(samples, "samples", least=2, most=spring.MOST_STEPS)
+        )
         paths = [
             [np.interp(share, one.t / one.duration, column) for column in one.x.T]
             for one in self._learnt().shown
@@ -201,10 +203,12 @@ class DMP:
         d = len(self._learnt().start)
         start = self.start if start is None else inputs.numbers(start, "start", (d,))
         goal = self.goal if goal is None else inputs.numbers(goal, "goal", (d,))
-        whole = self.duration if duration is None else inputs.positive(duration, "duration", "s")
+        whole = self.duration if duration is None else duration
+        whole = inputs.number(whole, "duration", "s", least=1e-5, most=1e8)
         dt = self.step * whole / self.duration if dt is None else inputs.positive(dt, "dt", "s")
         inputs.choice(remedy, "remedy", REMEDIES)
-        steps = max(1, int(np.ceil(whole / dt - 1e-6)))
+        inputs.choice(integrator, "integrator", spring.INTEGRATORS)
+        steps = spring.whole_steps(whole, dt)
         tau, share = self.tau * whole / self.duration, np.arange(steps + 1) / steps
         spring_ = (self.stiffness, self.damping, tau)
         if integrator != "exact":
@@ -264,10 +268,12 @@ def _several(
             f"times must be one step, or one entry for each of {len(positions)} demonstrations, "
             f"got {len(clocks)}"
         )
-    shown = [
-        motion(x, t, smoothing, f"positions[{k}]")
-        for k, (x, t) in enumerate(zip(positions, clocks, strict=True))
-    ]
+    shown = []
+    for k, (x, t) in enumerate(zip(positions, clocks, strict=True)):
+        try:
+            shown.append(motion(x, t, smoothing))
+        except ValueError as error:
+            raise ValueError(f"demonstration {k}: {error}") from error
     sizes = {one.x.shape[1] for one in shown}
     if len(sizes) > 1:
         raise ValueError(f"positions must have one number of dimensions, got {sorted(sizes)}")

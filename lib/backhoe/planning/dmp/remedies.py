@@ -105,7 +105,10 @@ def integrate(
     xs, vs = np.empty(u.shape), np.empty(u.shape)
     xs[0], vs[0] = x, v
     for k in range(len(u) - 1):
-        push = coupling(float(t[k]), xs[k].copy(), vs[k].copy())
+        try:
+            push = coupling(float(t[k]), xs[k].copy(), vs[k].copy())
+        except TypeError as error:
+            raise TypeError(f"coupling must take t, x and v: {error}") from error
         aside = compliance * inputs.numbers(push, "coupling(t, x, v)", x.shape)
         xs[k + 1], vs[k + 1] = M @ [xs[k], vs[k], u[k] + aside, u[k + 1] + aside]
     return xs, vs

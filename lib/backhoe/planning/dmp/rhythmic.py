@@ -45,10 +45,10 @@ class Rhythmic:
         smoothing: float = 0.0,
     ) -> None:
         self.kernels = inputs.whole(kernels, "kernels", least=3, most=10_000)
-        self.stiffness = inputs.positive(stiffness, "stiffness")
-        damping = 2 * self.stiffness**0.5 if damping is None else damping
-        self.damping = inputs.positive(damping, "damping")
-        self.tau = inputs.positive(tau, "tau", "s")
+        if damping is None:
+            damping = 2 * inputs.positive(stiffness, "stiffness") ** 0.5
+        spring_ = spring.checked(stiffness, inputs.positive(damping, "damping"), tau)
+        self.stiffness, self.damping, self.tau = spring_
         self.width = inputs.positive(width, "width")
         self.smoothing = inputs.not_negative(smoothing, "smoothing", "s")
 
@@ -64,7 +64,7 @@ class Rhythmic:
             ValueError: as for `motion`, or less than one period shown.
         """
         shown = motion(positions, times, self.smoothing)
-        period = inputs.positive(period, "period", "s")
+        period = inputs.number(period, "period", "s", least=1e-5, most=1e8)
         turns = int(shown.duration / period + 1e-6)
         if turns < 1:
             raise ValueError(
@@ -127,9 +127,13 @@ class Rhythmic:
         d = len(self.centre)
         centre = self.centre if centre is None else inputs.numbers(centre, "centre", (d,))
         size, duration = inputs.number(size, "size"), inputs.positive(duration, "duration", "s")
-        period = self.period if period is None else inputs.positive(period, "period", "s")
+        period = (
+            self.period
+            if period is None
+            else inputs.number(period, "period", "s", least=1e-5, most=1e8)
+        )
         dt = self.step if dt is None else inputs.positive(dt, "dt", "s")
-        steps = max(1, int(np.ceil(duration / dt - 1e-6)))
+        steps = spring.whole_steps(duration, dt)
         dt, tau = duration / steps, self.tau * period / self.period
         M = spring.step_matrix(dt, self.stiffness, self.damping, tau)
 
@@ -137,7 +141,7 @@ class Rhythmic:
             return centre + size * self.basis(2 * pi * t / period) @ self.weights
 
         if start is None:
-            before = np.arange(-max(2, int(np.ceil(period / dt))), 1) * dt
+            before = np.arange(-max(2, spring.whole_steps(period, dt)), 1) * dt
             x, v = spring.follow(far_end(before), centre, np.zeros(d), M)
             start, settled = x[-1], v[-1]
         else:

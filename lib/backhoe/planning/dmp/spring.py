@@ -16,6 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.basics import inputs
 
 INTEGRATORS = ("exact", "euler", "semi-implicit", "rk2", "rk4")
+MOST_STEPS = 1_000_000
+"""Of a roll-out."""
+
 _TERMS = {"exact": 24, "euler": 1, "semi-implicit": 1, "rk2": 2, "rk4": 4}
 
 
@@ -33,11 +36,10 @@ def step_matrix(
         M, shape (2, 4); v is dx/dt [1/s of the unit of x].
 
     Raises:
-        ValueError: a number that is not positive (damping may be 0), or another integrator.
+        ValueError: a number out of its bounds (damping may be 0), or another integrator.
     """
-    dt, tau = inputs.positive(dt, "dt", "s"), inputs.positive(tau, "tau", "s")
-    stiffness = inputs.positive(stiffness, "stiffness")
-    damping = inputs.not_negative(damping, "damping")
+    dt = inputs.number(dt, "dt", "s", above=0.0, most=1e9)
+    stiffness, damping, tau = checked(stiffness, damping, tau)
     inputs.choice(integrator, "integrator", INTEGRATORS)
     A = np.zeros((4, 4))  # of (x, v, u, du/dt)
     A[0, 1] = A[2, 3] = 1.0
@@ -64,7 +66,8 @@ def step_limit(stiffness: float, damping: float, tau: float, integrator: str) ->
     Raises:
         ValueError: as for `step_matrix`; a spring without damping, which never rests.
     """
-    inputs.positive(damping, "damping")
+    stiffness, damping, tau = checked(stiffness, damping, tau)
+    inputs.number(damping, "damping", least=1e-6)
     if inputs.choice(integrator, "integrator", INTEGRATORS) == "exact":
         return inf
 
@@ -72,14 +75,35 @@ def step_limit(stiffness: float, damping: float, tau: float, integrator: str) ->
         M = step_matrix(dt, stiffness, damping, tau, integrator)
         return np.abs(np.linalg.eigvals(M[:, :2])).max() > 1.0
 
-    low = 1e-3 * inputs.positive(tau, "tau", "s") * min(damping / stiffness, stiffness**-0.5)
+    low = 1e-3 * tau * min(damping / stiffness, stiffness**-0.5)
     high = 2 * low
-    while not grows(high):
+    for _ in range(60):
+        if grows(high):
+            break
         low, high = high, 2 * high
     for _ in range(50):
         middle = (low + high) / 2
         low, high = (low, middle) if grows(middle) else (middle, high)
     return low
+
+
+def checked(stiffness: float, damping: float, tau: float) -> tuple[float, float, float]:
+    """K [1], D [1] and tau [s] of a spring, within wide bounds; ValueError otherwise."""
+    return (
+        inputs.number(stiffness, "stiffness", least=1e-6, most=1e12),
+        inputs.number(damping, "damping", least=0.0, most=1e12),
+        inputs.number(tau, "tau", "s", least=1e-6, most=1e9),
+    )
+
+
+def whole_steps(duration: float, dt: float) -> int:
+    """How many steps of at most dt fill the duration [s]; ValueError if more than a million."""
+    if not duration / dt <= MOST_STEPS:
+        raise ValueError(
+            f"dt must be at least {duration / MOST_STEPS:.3g} s, a millionth of {duration:g} s, "
+            f"got {dt:g} s"
+        )
+    return max(1, int(np.ceil(duration / dt - 1e-6)))
 
 
 def refuse_unstable(dt: float, limit: float, integrator: str) -> None:

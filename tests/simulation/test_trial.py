@@ -173,5 +173,7 @@ def test_a_try_says_what_happened(tried):
     text = str(tried)
     assert f"{tried.soil:.2f} m^3" in text and "kN" in text and "least margin" in text
     assert tried.speed_share < 1.0
+    weight = BACKHOE.mass * 9.81
+    assert 1e4 < tried.energy < weight * 3.0
     assert tried.peak_torque[1] == np.abs(tried.torque[:, 1]).max()
     assert kinematics.pose(tried.q[0]) == pytest.approx(PATH[0])

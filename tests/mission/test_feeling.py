@@ -88,7 +88,7 @@ def test_at_strain_one_a_joint_or_the_tracks_are_at_their_limit(rng):
         limit = push / strain_of(q, push)
         given = np.abs(dynamics.gravity_torque(q) - contact.joint_torque(q, limit))
         joints = (given / BACKHOE.torque_limit).max()
-        margin = stability.margin(q, soil=limit).value
+        margin = stability.margin(q, soil=limit).distance
         assert joints < 1 + 1e-9 and margin > -1e-9
         assert joints > 1 - 1e-9 or margin < 1e-9
         kinds.add(joints > 1 - 1e-9)

@@ -24,6 +24,8 @@ from backhoe.mission.parts import TIPPING, WayPoint, hand_made_plan
 from backhoe.planning.dmp import DMP
 from backhoe.planning.dmp.demonstrations import demonstration
 from backhoe.planning.foresight import foresee
+from backhoe.simulation.clock import STEP
+from backhoe.simulation.scene import LOADING, untouched_ground
 from backhoe.simulation.soil import soil_of
 from backhoe.simulation.soil.bucket_fill import BucketFill
 from backhoe.simulation.trial import TICK, Trial, dig_many
@@ -186,6 +188,15 @@ class DigPractice:
     def costs(self, tries: ArrayLike) -> NDArray:
         """Cost of each try (n, 9) [m, rad], shape (n,) [1]; inf where it failed or would tip."""
         return np.array([self._cost(trial) for trial in self.trials(tries)])
+
+    def heap(self, y: float = -0.45) -> NDArray:
+        """The untouched ground along the stroke, at y [m]: x and height, shape (n, 2) [m]."""
+        world = self.world
+        ground = untouched_ground(LOADING, BACKHOE, world["seed"], STEP, world["soil"])
+        x, rows = ground.terrain.grid()
+        row = int(np.abs(rows[:, 0] - y).argmin())
+        near = (x[row] > 3.0) & (x[row] < 9.0)
+        return np.c_[x[row], ground.terrain.heights[row]][near]
 
     def plan(self, parameters: ArrayLike, step: float = 0.5) -> list[WayPoint]:
         """Way-points for `mission.run`: the dig with parameters (9,) [m, rad] in steps [s], then

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
+from backhoe.arm.kinematics import forward_kinematics
+
 # primitives
 
 
@@ -90,3 +92,34 @@ def digs_as_shown_and_ends_over_the_truck(answer, dig, load, shift):
 
 
 # improvement
+
+
+def its_work_is_that_of_the_joints(answer, q, given, needed):
+    """Moved a little in any way, the push does the work that the joints' torques lack."""
+    for dq in np.eye(4):
+        ends = [forward_kinematics(q + way * dq, "tip")[:3, 3] for way in (-1e-6, 1e-6)]
+        moved = (ends[1] - ends[0]) / 2e-6
+        work = answer[:3] @ moved + answer[3] * dq[1:].sum()
+        assert_allclose(work, dq @ (needed - given), rtol=1e-5, atol=0.05)
+
+
+def logarithms_of_the_shares(answer, costs, hardness):
+    """Shares of one; the logarithm of two shares' ratio is their costs' difference over the range,
+    times -h; a failed try has none."""
+    assert_allclose(np.sum(answer), 1.0, rtol=1e-9)
+    done = np.isfinite(costs)
+    assert not answer[~done].any()
+    best = costs[done].argmin()
+    logs = np.log(answer[done] / answer[done][best])
+    away = costs[done] - costs[done][best]
+    assert_allclose(logs, -hardness * away / away.max(), rtol=1e-9, atol=1e-9)
+
+
+def a_mean_with_weights_from_logarithms(answer, tries, costs):
+    """The weighted mean of NumPy, its weights from sums of logarithms; what failed is left out."""
+    done = np.isfinite(costs)
+    tries, costs = tries[done], costs[done]
+    order = np.argsort(costs)
+    logs = -10.0 * (costs - costs.min()) / (costs.max() - costs.min())
+    shares = [np.exp(one - np.logaddexp.reduce(logs)) for one in logs]
+    assert_allclose(answer, np.average(tries[order], axis=0, weights=np.take(shares, order)))

@@ -155,7 +155,7 @@ def _gaps(places: NDArray, discs: NDArray) -> NDArray:
 
 
 def _edges(rng: np.random.Generator) -> list[tuple]:
-    """A disc on the edge, beside it, at its ends; it is wider along the edge than the resolution."""
+    """A disc on the edge, beside it, at its ends, along it wider than the resolution."""
     cases = []
     for k in range(48):
         a, resolution = rng.uniform(-5, 5, 2), float(rng.uniform(0.1, 0.4))
@@ -234,7 +234,7 @@ EDGE = Exercise(
         "n = int(np.ceil(length / resolution)) pieces have n + 1 places: np.linspace(0, 1, n + 1).",
         "places[:, None] - discs[:, :2] has shape (n + 1, m, 2); all distances > all radii.",
     ),
-    tested_on="48 edges, long and short, with thin obstacles on them, beside them and at the ends",
+    tested_on="48 edges, long and short, thin obstacles on them, beside them and at both ends",
 )
 
 

@@ -11,7 +11,7 @@ from backhoe.arm import dynamics, pid
 from backhoe.arm.dynamics.terms import arm_of
 from backhoe.localisation.drives import SLIPPING
 from backhoe.machine import JOINTS, Machine
-from backhoe.mission.autonomy.actions import Action, ActionServer, Goal
+from backhoe.mission.autonomy.actions import BRAKING, Action, ActionServer, Goal
 from backhoe.mission.autonomy.faults import Fault
 from backhoe.mission.calls import LIBRARY, call_part, reset
 from backhoe.mission.driving import LOOKAHEAD
@@ -38,6 +38,10 @@ TESTED = 0.25, 1.0
 
 class Halt(Exception):
     """The machine stops, safely and for good; the message is its reason."""
+
+
+class Stall(Halt):
+    """A joint does not move as it is told: seized, or the bucket held fast."""
 
 
 class Doubt(Exception):
@@ -149,6 +153,12 @@ class Body:
             if action.status == "failed":
                 raise Halt(self._why(action))
 
+    def give_way(self) -> None:
+        """Cancel what the arm does, and let it stay where it is."""
+        self.server.cancel_all("the arm gives way")
+        self.hold(BRAKING)
+        self.server.q_ref = self.world.q
+
     def hold(self, time: float) -> None:
         """Let the arm stay where it is for some time [s]."""
         for _ in range(round(time / self.world.dt)):
@@ -206,9 +216,10 @@ class Body:
         self.late = np.where(far, self.late + SAMPLE * self.world.dt, 0.0)
         if (self.late > LONG).any():
             joint = int(self.late.argmax())
-            raise Halt(
+            self.late[:] = 0.0
+            raise Stall(
                 f"the {JOINTS[joint]} is {np.abs(error[joint]):.2f} rad from where it should be "
-                f"for {self.late[joint]:.1f} s"
+                f"for {LONG} s"
             )
 
     def _why(self, action: Action) -> str:

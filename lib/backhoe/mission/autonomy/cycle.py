@@ -18,7 +18,7 @@ from backhoe.arm.dynamics import inverse_dynamics
 from backhoe.arm.kinematics import inverse_kinematics, pose
 from backhoe.machine import Machine
 from backhoe.mission.autonomy.actions import Goal, along
-from backhoe.mission.autonomy.body import Body, Doubt, Halt
+from backhoe.mission.autonomy.body import Body, Doubt, Halt, Stall
 from backhoe.mission.autonomy.choice import DIRECTIONS, REACHES, best_strip, polar, stroke
 from backhoe.mission.autonomy.eyes import AREA, Eyes, Ground, filled
 from backhoe.mission.autonomy.ways import MARGINS, around, carrying, moved, raised, world_seen
@@ -41,6 +41,9 @@ POOR = 0.2
 HOPELESS = 3
 """So many such buckets one after another end the work."""
 
+ALONE = radians(12)
+"""To each side of where the bucket was held fast it does not dig any more [rad]."""
+
 STEP, STEPS = 0.8, 2
 """How far it drives into the work when nothing more is in reach [m], and how often at most."""
 
@@ -52,6 +55,9 @@ DUMPS = (0.0, -1.0, 0.9)
 
 REACH_OF_TIPPING = 3.6, 6.6
 """Distances of the stick's tip from the swing axis above the truck [m]."""
+
+
+Q, DQ, TORQUE = (Body.COLUMNS.index(name) for name in ("q", "dq", "torque"))
 
 
 class Load(NamedTuple):
@@ -96,6 +102,7 @@ class Mission:
         self.events: list[tuple[float, str]] = []
         self.full = _heaped(body)
         self._stand, self._steps = np.array(order.stand), 0
+        self._alone: list[float] = []
 
     def do(self) -> str:
         """Work until the order is done or nothing more can be; why it ended."""
@@ -107,14 +114,17 @@ class Mission:
         while len(self.loads) < self.order.loads:
             if sum(load.weighed for load in self.loads) >= self.order.wanted:
                 return "the order is loaded"
-            ground = (*polar(Ground(self.eyes.map), self.body.pose), DIRECTIONS, REACHES)
+            heights, deviation = polar(Ground(self.eyes.map), self.body.pose)
+            for direction in self._alone:
+                heights[np.abs(DIRECTIONS - direction) < ALONE] = 0.0
+            ground = heights, deviation, DIRECTIONS, REACHES
             strip = self._ask("dig_choice", best_strip, *ground)
             if strip is None or poor == HOPELESS:
                 if not self._step_nearer():
                     return "the heap is gone"
                 poor = 0
                 continue
-            weighed = self._dig(strip, ground[0])
+            weighed = self._dig(strip, heights)
             if weighed < POOR * self.full:
                 poor += 1
                 self._note(f"only {weighed:.2f} m^3 in the bucket: chose anew")
@@ -221,13 +231,21 @@ class Mission:
     def _dig(self, strip: object, heights: NDArray) -> float:
         """Dig a strip; soil in the bucket [m^3]."""
         times, path = self._ask("primitive", stroke, strip, heights, DIRECTIONS, REACHES)
-        self._arm(along("dig", times, path, begin=self._time_to(path[0])))
+        try:
+            self._arm(along("dig", times, path, begin=self._time_to(path[0])))
+        except Stall as stall:
+            self.body.give_way()
+            self._note(f"{stall}: lifted, and left that place alone")
+            self._alone.append(strip.direction)
+            came = np.array([row[Q] for row in self.body.log[-100::20]][::-1])
+            back = np.vstack([came, raised(came[-1], self.machine)])
+            self._arm(Goal("back out and lift", lambda q: moved(np.vstack([q, back]))))
         return self._weigh()
 
     def _weigh(self) -> float:
         """Soil in the bucket as the joints' torques say, over the end of the lift [m^3]."""
         rows = self.body.log[-25:]
-        q, dq, torque = (np.array([row[k] for row in rows]) for k in (3, 4, 6))
+        q, dq, torque = (np.array([row[k] for row in rows]) for k in (Q, DQ, TORQUE))
         ddq = np.gradient(dq, rows[1][0] - rows[0][0], axis=0)
         bucket, unit = self.machine.bucket, 1000.0
         heavier = replace(self.machine, bucket=replace(bucket, mass=bucket.mass + unit))

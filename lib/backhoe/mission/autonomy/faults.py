@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from backhoe.arm.pid import ARM_GAINS
 from backhoe.basics.inputs import choice
 from backhoe.simulation.scene import Scene
+from backhoe.simulation.soil import Rock
 
 
 @dataclass(frozen=True)
@@ -145,6 +146,17 @@ class PerceptionLate(Fault):
         return self.late
 
 
+@dataclass(frozen=True)
+class BuriedRock(Fault):
+    name: str = "buried rock"
+    what: str = "a rock of `radius` lies in the heap, its middle at x, y, z [m]"
+    at: tuple[float, float, float] = (5.4, 1.3, 0.2)
+    radius: float = 0.4
+
+    def scene(self, scene: Scene) -> Scene:
+        return replace(scene, rocks=(*scene.rocks, Rock(*self.at, self.radius)))
+
+
 FAULTS = {
     fault.name: fault
     for fault in (
@@ -156,6 +168,7 @@ FAULTS = {
         StuckJoint(),
         GyroReversed(),
         PerceptionLate(),
+        BuriedRock(),
     )
 }
 """By name."""

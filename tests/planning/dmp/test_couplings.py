@@ -27,7 +27,7 @@ def pole(cell=0.1):
 def test_a_pole_is_passed_with_the_clearance_less_a_fifth_of_what_the_path_lacks(duration):
     dmp, field = learnt(), pole()
     push = keep_clear(dmp, field, 0.5, duration=duration)
-    _, x, _ = dmp.rollout(duration=duration, dt=0.01, coupling=push)
+    _, x, _ = dmp.rollout(duration=duration, dt=duration / 1000, coupling=push)
     kept = field.query(x)[0].min()
     alone = field.query(STRAIGHT)[0].min()
     # slowly passed, the two springs are in balance: 4 (0.5 - kept) = kept - alone

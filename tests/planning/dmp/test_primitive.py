@@ -116,3 +116,11 @@ def test_a_remedy_asked_for_the_old_goal_changes_nothing():
     dmp = learnt()
     for remedy in REMEDIES:
         assert np.abs(dmp.rollout(remedy=remedy)[1] - dmp.rollout()[1]).max() < 1e-12
+
+
+def test_the_progress_has_no_unit():
+    """The second dimension in millimetres: the affine way is the same way."""
+    goal, unit = np.array([2.0, 4.0]), np.array([1.0, 1000.0])
+    metres = learnt().rollout(goal=goal, remedy="affine")[1]
+    other = DMP(kernels=50).learn(shown() * unit, t)
+    assert np.abs(other.rollout(goal=goal * unit, remedy="affine")[1] / unit - metres).max() < 1e-9

@@ -1,7 +1,8 @@
 """What pushes a primitive aside while it runs: obstacles of a map, limits of its dimensions.
 
 Each is a `coupling` of `DMP.rollout`, and gives an acceleration as if a second spring, `gain` times
-as stiff as the primitive's own, held the point away: it is left where both are in balance.
+as stiff as the primitive's own, held the point away: it is left where both are in balance. It is
+asked once a step and held: steps longer than a fifth of tau / sqrt(K) let it ring.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """What decides each verdict on chapter 6 of Mastalli and its appendix B: properties and forms."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -8,8 +9,12 @@ from scipy.optimize import minimize
 
 from backhoe.arm.kinematics import inverse_kinematics
 from backhoe.lessons.primitives import printed
+from backhoe.machine import BACKHOE
+from backhoe.mission import hauling
 from backhoe.planning.dmp import DMP, demonstration
 from backhoe.planning.dmp.spring import follow, step_matrix
+from backhoe.simulation.soil import SANDY_LOAM
+from backhoe.simulation.soil.bucket_fill import BucketFill
 
 K, D, TAU, T = 400.0, 40.0, 1.5, 3.0
 
@@ -397,6 +402,20 @@ PAPER_GOALS_UPRIGHT = [[1.87, 3.60, 4.44, 1.3], [2.50, 4.00, 4.44, 1.3]]
 def arm_reaches_each_goal_of_the_paper(goals):
     arm_reaches_all(goals)
     assert len(goals) == 2
+
+
+def searches_spill_a_loaded_bucket(spills):
+    """RRT-Connect that keeps the bucket level, from the heap to the truck; lesson 11b has more."""
+    start, goal = inverse_kinematics([[6.2, 0.0, 3.4, -0.6], [0.4, 5.7, 3.9, -0.5]])
+    fill = BucketFill(BACKHOE.shell, SANDY_LOAM.repose)
+    path = hauling.level_way(start, goal, hauling.arm_world())
+    between = np.concatenate([np.linspace(a, b, 30) for a, b in pairwise(path)])
+    tilt = between[:, 1:].sum(axis=1) + sum(link.angle_offset for link in BACKHOE.links)
+    held = min(fill.retained(pitch) for pitch in tilt.tolist())
+    assert (fill.heaped - held > 0.05 * fill.heaped) == spills
+
+
+SEARCHES_SPILL = False
 
 
 # Appendix B

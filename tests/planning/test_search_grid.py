@@ -120,7 +120,7 @@ def test_bad_cells_are_named(start, goal, said):
 
 
 def test_bad_grids_are_named():
-    with pytest.raises(ValueError, match="occupied must be truth values"):
+    with pytest.raises(ValueError, match="occupied must end in n truth values"):
         astar(np.zeros((3, 3)), (0, 0), (1, 1))
     with pytest.raises(ValueError, match="spacing must be above 0"):
         astar(np.zeros((3, 3), bool), (0, 0), (1, 1), spacing=0.0)

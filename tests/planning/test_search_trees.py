@@ -234,10 +234,13 @@ def test_where_there_is_no_way_there_is_no_path(planner):
         ({"start": [np.nan, 2.0]}, "start must be finite"),
         ({"budget": 0}, "budget must be one whole number at least 1"),
         ({"time_limit": 0}, "time_limit must be one number above 0"),
-        ({"resolution": -1}, "resolution must be one number above 0"),
+        ({"resolution": -1}, "resolution must be one number above 0 and at least"),
         ({"is_free": lambda points: 1 / 0}, "is_free must answer, it raised ZeroDivisionError"),
-        ({"is_free": lambda points: np.ones(len(points))}, "is_free must give a truth value"),
-        ({"is_free": lambda points: True}, "is_free must give a truth value"),
+        (
+            {"is_free": lambda points: np.ones(len(points))},
+            "the answer of is_free must be truth values",
+        ),
+        ({"is_free": lambda points: True}, "the answer of is_free must be truth values"),
     ],
 )
 def test_bad_input_is_named(planner, changed, said):

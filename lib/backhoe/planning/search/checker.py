@@ -9,7 +9,19 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import function, instance, numbers, positive, short, whole
+from backhoe.basics.inputs import (
+    function,
+    instance,
+    number,
+    numbers,
+    positive,
+    short,
+    truths,
+    whole,
+)
+
+FAR = 1e9
+"""Largest coordinate that is accepted."""
 
 IsFree = Callable[[NDArray], NDArray]
 """Places, shape (n, D), to truth values, shape (n,): whether nothing is hit there."""
@@ -52,7 +64,7 @@ class Checker:
     ) -> None:
         self.is_free = function(is_free, "is_free", "is_free(points (n, D)) -> truth values (n,)")
         self.resolution = positive(resolution, "resolution")
-        self.time_limit = positive(time_limit, "time_limit", "s")
+        self.time_limit = number(time_limit, "time_limit", "s", above=0.0, most=1e6)
         self.log = Log() if log is None else instance(log, "log", Log)
         self._end = perf_counter() + self.time_limit
         self._cost = self.time_limit  # of a place [s], unknown at first: one alone
@@ -90,19 +102,8 @@ class Checker:
         return np.logical_and.reduceat(self.free(np.concatenate(ways)), firsts)
 
     def _ask(self, points: NDArray) -> NDArray:
-        try:
-            answer = self.is_free(points.copy())
-        except Exception as error:
-            raise ValueError(
-                f"is_free must answer, it raised {type(error).__name__}: {error} "
-                f"when asked about {short(points)}"
-            ) from error
-        answer = np.asarray(answer)
-        if answer.dtype != bool or answer.shape != (len(points),):
-            raise ValueError(
-                f"is_free must give a truth value a place, shape ({len(points)},), got "
-                f"{answer.dtype}, shape {answer.shape}"
-            )
+        answer = answer_of(self.is_free, "is_free", points.copy())
+        answer = truths(answer, "the answer of is_free", (len(points),))
         self.log.evaluations += len(points)
         return answer
 
@@ -132,23 +133,37 @@ class Problem:
         time_limit: float,
         log: Log | None,
     ) -> None:
-        self.start = numbers(start, "start", ("D",))
+        self.start = numbers(start, "start", ("D",), within=FAR)
         D = len(self.start)
-        self.goal = numbers(goal, "goal", (D,), meaning="as start")
-        self.lower = numbers(lower, "lower", (D,), meaning="a bound for each coordinate of start")
-        self.upper = numbers(upper, "upper", (D,), meaning="a bound for each coordinate of start")
+        self.goal = numbers(goal, "goal", (D,), meaning="as start", within=FAR)
+        each = "a bound for each coordinate of start"
+        self.lower = numbers(lower, "lower", (D,), meaning=each, within=FAR)
+        self.upper = numbers(upper, "upper", (D,), meaning=each, within=FAR)
         if (self.lower >= self.upper).any():
             raise ValueError(f"lower must be below upper, got {self.lower} and {self.upper}")
         diagonal = float(np.linalg.norm(self.upper - self.lower))
-        self.step = diagonal / 10 if step is None else positive(step, "step")
-        self.budget = whole(budget, "budget", least=1)
+        step = diagonal / 10 if step is None else step
+        self.step = number(step, "step", least=diagonal / 1e4)
+        self.budget = whole(budget, "budget", least=1, most=10**7)
         resolution = diagonal / 100 if resolution is None else resolution
+        number(resolution, "resolution", above=0.0, least=diagonal / 1e6)
         self.checker = Checker(is_free, resolution, time_limit, log)
         for name, place in (("start", self.start), ("goal", self.goal)):
             if (place < self.lower).any() or (place > self.upper).any():
                 raise ValueError(f"{name} must be between lower and upper, got {place}")
             if not self.checker.free(place[None])[0]:
                 raise ValueError(f"{name} must be free, {place} is in collision")
+
+
+def answer_of(asked: Callable, name: str, *given: object) -> object:
+    """What a function that was handed in says; a ValueError with its name where it raises."""
+    try:
+        return asked(*given)
+    except Exception as error:
+        raise ValueError(
+            f"{name} must answer, it raised {type(error).__name__}: {error} "
+            f"when asked about {', '.join(map(short, given))}"
+        ) from error
 
 
 def between(a: NDArray, b: NDArray, resolution: float) -> NDArray:
@@ -159,5 +174,5 @@ def between(a: NDArray, b: NDArray, resolution: float) -> NDArray:
 
 def path_length(path: ArrayLike) -> float:
     """Length of a path of straight edges, shape (n, D), in the space's own units."""
-    path = numbers(path, "path", ("n", "D"), meaning="places in a row")
+    path = numbers(path, "path", ("n", "D"), meaning="places in a row", within=FAR)
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())

@@ -9,8 +9,8 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import choice, flag, instance, numbers, truths
-from backhoe.planning.search.checker import Log, NoPath
+from backhoe.basics.inputs import choice, flag, instance, number, numbers, truths
+from backhoe.planning.search.checker import Log, NoPath, answer_of
 
 RULES = ("grid", "straight", "steps", "none")
 
@@ -89,11 +89,10 @@ def astar(
         ValueError: shapes, a start or goal outside, not whole or occupied.
         NoPath: the goal cannot be reached.
     """
-    axes = [f"n{k}" for k in range(max(np.ndim(occupied), 1))]
-    grid = truths(occupied, "occupied", tuple(axes))
+    grid = truths(occupied, "occupied", (..., "n"))
     D = grid.ndim
-    size = np.broadcast_to(numbers(spacing, "spacing"), (D,)) if np.ndim(spacing) == 0 else spacing
-    size = numbers(size, "spacing", (D,), meaning="an edge for each axis")
+    size = numbers(spacing, "spacing", within=1e9)
+    size = np.full(D, size) if size.shape == () else numbers(size, "spacing", (D,))
     if (size <= 0).any():
         raise ValueError(f"spacing must be above 0, got {spacing}")
     first, last = _cell(start, "start", grid), _cell(goal, "goal", grid)
@@ -122,7 +121,7 @@ def astar(
 
 
 def _cell(given: ArrayLike, name: str, grid: NDArray) -> tuple:
-    cell = numbers(given, name, (grid.ndim,), meaning="indices of a cell")
+    cell = numbers(given, name, (grid.ndim,), meaning="indices of a cell", within=1e9)
     if (cell != np.floor(cell)).any() or (cell < 0).any() or (cell >= grid.shape).any():
         raise ValueError(f"{name} must be indices within the grid {grid.shape}, got {given}")
     cell = tuple(map(int, cell))
@@ -139,7 +138,9 @@ def _passed(move: tuple) -> list[tuple]:
 
 def _guess(rest: object, diagonal: bool, goal: tuple, size: NDArray) -> Callable[[tuple], float]:
     if callable(rest):
-        return lambda cell: float(rest(np.array(cell), np.array(goal)))
+        return lambda cell: number(
+            answer_of(rest, "rest", np.array(cell), np.array(goal)), "the guess of rest"
+        )
     choice(rest, "rest", RULES)
     if rest == "none":
         return lambda cell: 0.0

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import function, numbers, positive, whole
+from backhoe.planning.search.checker import answer_of
 
 
 class Descent(NamedTuple):
@@ -55,8 +56,8 @@ def potential(
     Raises:
         ValueError: shapes; a start or goal in collision, where d is not above 0.
     """
-    x = numbers(start, "start", ("D",))
-    goal = numbers(goal, "goal", x.shape, meaning="as start")
+    x = numbers(start, "start", ("D",), within=1e9)
+    goal = numbers(goal, "goal", x.shape, meaning="as start", within=1e9)
     function(distance, "distance", "distance(points (n, D)) -> distances (n,), gradients (n, D)")
     reach, push, step = positive(reach, "reach"), positive(push, "push"), positive(step, "step")
     asked = 0
@@ -64,9 +65,9 @@ def potential(
     def field(at: NDArray) -> tuple[float, NDArray]:
         nonlocal asked
         asked += 1
-        found = distance(at[None].copy())
-        d = float(numbers(found[0], "distance's distances", (1,), finite=False)[0])
-        away = numbers(found[1], "distance's gradients", (1, len(at)))[0]
+        gap, away = answer_of(lambda places: tuple(distance(places)), "distance", at[None].copy())
+        d = float(numbers(gap, "distances of distance", (1,), finite=False)[0])
+        away = numbers(away, "gradients of distance", (1, len(at)))[0]
         if d <= 0:
             return np.inf, away
         felt = max(1 / d - 1 / reach, 0.0)
@@ -74,11 +75,11 @@ def potential(
         return value, at - goal - push * felt / d**2 * away
 
     for name, place in (("start", x), ("goal", goal)):
-        if not np.isfinite(field(place)[0]):
+        if field(place)[0] == np.inf:
             raise ValueError(f"{name} must be free, {place} is in collision")
     value, slope = field(x)
     path, values, end = [x], [value], "budget"
-    for _ in range(whole(budget, "budget", least=1)):
+    for _ in range(whole(budget, "budget", least=1, most=10**6)):
         if np.linalg.norm(x - goal) < step:
             end = "goal"
             break

@@ -53,6 +53,7 @@ def prm(
     nodes = np.vstack([problem.start, problem.goal, samples[checker.free(samples)]])
     pairs = set()
     for k, node in enumerate(nodes):
+        checker.on_time()
         apart = np.linalg.norm(nodes - node, axis=1)
         apart[k] = np.inf
         near = np.argsort(apart, kind="stable")[: min(neighbours, len(nodes) - 1)]

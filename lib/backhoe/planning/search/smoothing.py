@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import generator, numbers, whole
-from backhoe.planning.search.checker import Checker, IsFree, Log, NoPath
+from backhoe.basics.inputs import generator, number, numbers, whole
+from backhoe.planning.search.checker import FAR, Checker, IsFree, Log, NoPath, path_length
 
 
 def shortcut(
@@ -36,9 +36,11 @@ def shortcut(
     Raises:
         ValueError: shapes, numbers out of bounds, a checker that raises.
     """
-    path = numbers(path, "path", ("n", "D"), meaning="places in a row")
+    path = numbers(path, "path", ("n", "D"), meaning="places in a row", within=FAR)
+    whole_way = path_length(path)
+    number(resolution, "resolution", above=0.0, least=whole_way / 1e6)
     checker = Checker(is_free, resolution, time_limit, log)
-    rng, tries = generator(seed, "seed"), whole(tries, "tries", least=0)
+    rng, tries = generator(seed, "seed"), whole(tries, "tries", least=0, most=10**7)
     for _ in range(tries):
         lengths = np.r_[0, np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()]
         first, last = np.sort(rng.uniform(0, lengths[-1], 2))

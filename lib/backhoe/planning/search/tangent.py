@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import number, numbers
+from backhoe.basics.inputs import instance, number, numbers, real_numbers
 from backhoe.planning.search.checker import NoPath
 from backhoe.planning.search.grid import best_first
 
@@ -50,12 +50,14 @@ def tangent(
             goal inside an obstacle.
         NoPath: obstacles shut the start or the goal in.
     """
-    ends = np.vstack([numbers(start, "start", (2,)), numbers(goal, "goal", (2,))])
-    discs = (
-        numbers(discs, "discs", ("m", 3), meaning="middles and radii [m]")
-        if np.size(discs)
-        else np.empty((0, 3))
+    ends = np.vstack(
+        [numbers(start, "start", (2,), within=1e9), numbers(goal, "goal", (2,), within=1e9)]
     )
+    discs = real_numbers(discs, "discs")
+    if discs.size:
+        discs = numbers(discs, "discs", ("m", 3), meaning="middles and radii [m]", within=1e9)
+    discs = discs.reshape(-1, 3)
+    instance(polygons, "polygons", (list, tuple))
     number(discs[:, 2].min(initial=1.0), "least radius of discs", "m", above=0.0)
     polygons = [_convex(corners, f"polygons[{k}]") for k, corners in enumerate(polygons)]
     points = np.vstack([ends, *polygons])
@@ -193,7 +195,9 @@ def _tangents(circles: NDArray) -> list[tuple[int, NDArray, int, NDArray]]:
 
 
 def _convex(corners: ArrayLike, name: str) -> NDArray:
-    corners = numbers(corners, name, ("k", 2), meaning="corners of a convex polygon [m]")
+    corners = numbers(
+        corners, name, ("k", 2), meaning="corners of a convex polygon [m]", within=1e9
+    )
     edges = np.roll(corners, -1, axis=0) - corners
     after = np.roll(edges, -1, axis=0)
     turns = edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0]

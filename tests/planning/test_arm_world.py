@@ -32,7 +32,8 @@ def corners(q, machine):
 @pytest.mark.parametrize("machine", [BACKHOE, variants.scaled(0.8)])
 def test_few_spheres_hold_the_meshes_so_the_gap_is_no_more_than_theirs(machine):
     world = arm_world(machine=machine)
-    for q, said in zip(random_q(60, machine), world.clearance(random_q(60, machine)), strict=True):
+    some = random_q(15, machine)
+    for q, said in zip(some, world.clearance(some), strict=True):
         points = corners(q, machine)
         assert said < 0 or points[:, 2].min() > 0
         gaps = []
@@ -97,7 +98,7 @@ def test_stick_and_bucket_are_held_off_the_body_and_the_boom_is_not():
         ArmWorld(boom, relief=DEEP)
     far = [[[-3.0, -0.5, -1.5], [-1.0, 2.0, 1.5]]]  # behind the boom's joint, in the house's frame
     near = ArmWorld(DOT, own={"swing": far}, relief=DEEP).clearance(q)
-    turned = q + [1.3, 0, 0, 0]
+    turned = q + np.eye(4)[0]
     assert_allclose(near, ArmWorld(DOT, own={"swing": far}, relief=DEEP).clearance(turned))
 
 

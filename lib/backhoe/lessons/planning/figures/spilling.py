@@ -43,7 +43,7 @@ def ways(postures: Mapping[str, ArrayLike], scene: Scene, band: tuple[float, flo
         q = numbers(way, label, ("n", 4), meaning="joint angles [rad]")
         left.plot(*forward_kinematics(q)[:, :2, 3].T, label=label)
         right.plot(np.degrees(q[:, 0]), np.degrees(pitch(q)))
-    left.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal", xlim=(-2.5, 9), ylim=(-3, 7.5))
+    left.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal", xlim=(-3.5, 9), ylim=(-4.5, 7.5))
     right.set(xlabel="swing [deg], heap at -90, truck at 0", ylabel="pitch of the bucket [deg]")
     fig.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return fig

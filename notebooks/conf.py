@@ -1,5 +1,8 @@
 """How `backhoe lessons` turns the notebooks into pages that need no network."""
 
+import json
+from pathlib import Path
+
 from myst_nb.core.render import NbElementRenderer
 
 project = "Backhoe"
@@ -44,5 +47,26 @@ def _render_image_with_text(renderer, data):
     return images
 
 
+ALONE = "% the machine alone: the first replay of 14b_report"
+
+
+def _with_replay(app, name, source):
+    """The front page with the replay of the whole mission, as it is stored in its sitting."""
+    sitting = Path(app.srcdir, "14b_report.ipynb")
+    if name != "index" or ALONE not in source[0] or not sitting.exists():
+        return
+    cells = json.loads(sitting.read_text(encoding="utf-8"))["cells"]
+    pages = (
+        "".join(output["data"]["text/html"])
+        for cell in cells
+        for output in cell.get("outputs", [])
+        if "text/html" in output.get("data", {})
+    )
+    fence = "`" * 12
+    replay = f"{fence}{{raw}} html\n{next(pages, '')}\n{fence}"
+    source[0] = source[0].replace(ALONE, replay)
+
+
 def setup(app):
     NbElementRenderer.render_image = _render_image_with_text
+    app.connect("source-read", _with_replay)

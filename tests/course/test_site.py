@@ -155,3 +155,11 @@ def test_broken_link_stops_the_export(monkeypatch, tmp_path):
     with pytest.raises(RuntimeError, match=r"missing\.md"):
         site.build(tmp_path / "pages")
     assert not Path(tmp_path, "pages").exists()
+
+
+def test_the_front_page_opens_with_the_machine_alone(pages):
+    """The replay of the whole mission, as its sitting has it."""
+    front, sitting = (
+        Page(pages / f"{name}.html").all("iframe") for name in ("index", "14b_report")
+    )
+    assert len(front) == 1 and front[0]["srcdoc"] and front[0] == sitting[0]

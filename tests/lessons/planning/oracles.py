@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-import pytest
-from scipy.spatial.distance import cdist
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import lsq_linear
+from scipy.spatial.distance import cdist
 
 from backhoe.arm.kinematics import forward_kinematics
 from backhoe.view.appearance import visuals

@@ -115,6 +115,14 @@ def test_a_planned_swing_keeps_its_margin_where_the_hand_made_one_does_not():
     assert least[0] < 0.25 and least[1] >= 0.4
 
 
+def test_a_planned_swing_at_less_pace_takes_longer():
+    lasts = [
+        sum(point.time for point in hauling.planned_swing(pace=pace)(0)[5:-2])
+        for pace in (0.25, 0.75)
+    ]
+    assert lasts[0] > 1.3 * lasts[1]
+
+
 def test_a_wrong_way_is_no_plan():
     start, goal = (inverse_kinematics(point.target) for point in hand_made_plan(0)[4:6])
     plan = hauling.planned_swing(lambda start, goal, world: np.array([start, start]))

@@ -156,8 +156,8 @@ class Body:
     def give_way(self) -> None:
         """Cancel what the arm does, and let it stay where it is."""
         self.server.cancel_all("the arm gives way")
+        self.server.q_ref, self.server.dq_ref = self.world.q, np.zeros(4)
         self.hold(BRAKING)
-        self.server.q_ref = self.world.q
 
     def hold(self, time: float) -> None:
         """Let the arm stay where it is for some time [s]."""

@@ -329,7 +329,9 @@ class Mission:
             goal = inverse_kinematics(target, machine=self.machine)
             if truck is None:
                 return moved(np.stack([q, goal]))
-            for begin in (q, raised(q, self.machine)):
+            closed = np.array([*q[:3], carrying(q, self.machine)])
+            up = (raised(posture, self.machine) for posture in (q, closed))
+            for begin in (q, closed, *up):
                 for margin in MARGINS:
                     world = world_seen(size, terrain, belief, margin, self.machine)
                     if world.is_free(np.stack([begin, goal])).all():

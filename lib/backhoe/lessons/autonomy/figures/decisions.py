@@ -29,7 +29,7 @@ def grounds(
 
     Args:
         across, up: of the cells' middles, evenly spaced, shapes (columns,) and (rows,).
-        panels: title -> values, NaN where unknown, shape (rows, columns).
+        panels: title -> values in the unit of `bar`, NaN where unknown, shape (rows, columns) [m].
         labels: quantity and unit along both axes.
         marks: title of a panel -> points of a line, shape (n, 2), in the axes' units.
         highest: where the colours end; they begin at 0.

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.sparse.csgraph import dijkstra
 
 from backhoe.planning import search
 from backhoe.planning.search import (
@@ -77,6 +78,17 @@ def test_the_log_has_trees_whose_edges_are_free(planner):
         assert closely(log.points[[i, j]]) > -1e-4
     if planner is not prm:
         assert len(log.edges) == len(log.points) - (2 if planner is rrt_connect else 1)
+
+
+def test_a_roadmaps_way_is_the_shortest_in_it():
+    for seed in range(3):
+        log = Log()
+        path = prm(START, GOAL, is_free, LOWER, UPPER, seed=seed, budget=150, log=log)
+        lengths = np.zeros((len(log.points),) * 2)
+        i, j = log.edges.T
+        lengths[i, j] = np.linalg.norm(log.points[i] - log.points[j], axis=1)
+        least = dijkstra(lengths, directed=False, indices=0)[1]
+        assert path_length(path) == pytest.approx(least)
 
 
 def test_rrt_star_gets_shorter_and_its_costs_are_its_ways():
@@ -282,3 +294,18 @@ def test_steering_goes_on_by_a_step_at_most():
     assert search.steer(np.zeros(2), np.array([3.0, 4.0]), 1.0) == pytest.approx([0.6, 0.8])
     near = np.array([0.3, 0.4])
     assert (search.steer(np.zeros(2), near, 1.0) == near).all()
+
+
+def test_an_edge_is_looked_at_to_its_end_and_not_at_its_start():
+    """The start is known to be free; what is at the end counts."""
+    seen = []
+
+    def all_but_the_end(points):
+        seen.extend(points[:, 0].tolist())
+        return points[:, 0] < 0.95
+
+    checker = checking.Checker(all_but_the_end, 0.1, 1.0)
+    assert not checker.edge(np.zeros(1), np.ones(1))
+    assert min(seen) > 0.05 and max(seen) == 1.0
+    assert np.diff(sorted(set(seen))).max() <= 0.1 + 1e-12
+    assert checker.edge(np.zeros(1), np.full(1, 0.9))

@@ -17,7 +17,7 @@ BOX = {"lower": np.zeros(2), "upper": np.array([9.0, 8.0])}
 ENDS = {"start": np.array([0.5, 0.5]), "goal": np.array([8.5, 7.5])}
 RESULTS = "Descent Log NoPath Relief Shortest".split()
 """Made by functions, not by hand; and the arm's world and what belongs to it, which has its own."""
-OTHERS = "ArmWorld LevelWorld Timed few_spheres in_time pitch on_the_arm".split()
+OTHERS = "ArmWorld LevelWorld Timed few_spheres in_time pitch segment_times".split()
 
 
 def is_free(points):

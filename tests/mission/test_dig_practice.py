@@ -1,13 +1,14 @@
-"""Practice of a dig: what a parameter does to the path, what a try costs."""
+"""Practice of a dig: what a parameter does to the path, what a try costs, and the stored curves."""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from backhoe.mission.dig_practice import MOMENTS, DigPractice, dig_cost
+from backhoe.mission.dig_practice import MOMENTS, SPREAD, DigPractice, dig_cost, practised
 from backhoe.planning.dmp import DMP
 from backhoe.planning.dmp.demonstrations import demonstration
+from backhoe.planning.improve import pi2
 
 PRACTICE = DigPractice(processes=1)
 OFFSETS = np.array([0.1, -0.2, 0.05, 0.2, 0.1, -0.1, -0.15, 0.05, 0.2])
@@ -52,6 +53,31 @@ def test_costs_are_those_of_the_digs_and_what_fails_is_infinite():
     assert costs[0] == pytest.approx(share + one.energy / 500e3 + one.peak_force / 300e3)
     assert trials[1] is None and costs[1] == np.inf
     assert costs[2] == np.inf
+
+
+def test_the_stored_first_batches_are_those_of_today():
+    """PI2 and PoWER of one seed try the same before their first update, CMA-ES the same start."""
+    stored = practised()
+    assert list(stored) == ["PI2", "PoWER", "CMA-ES"]
+    first = stored["PI2"].costs[1, :4]
+    np.testing.assert_array_equal(first, stored["PoWER"].costs[1, :4])
+    today = pi2(
+        lambda x: np.r_[PRACTICE.costs(x[:4]), np.ones(6)],
+        PRACTICE.start,
+        SPREAD,
+        budget=10,
+        rng=1,
+    )
+    np.testing.assert_allclose(today.costs[:4], first, rtol=1e-3)
+    assert len({*stored["CMA-ES"].costs[:, 0]} | {first[0]}) == 1
+
+
+def test_the_stored_best_are_what_they_are_said_to_be():
+    for one in practised().values():
+        assert one.costs.shape[1] == 150 and one.parameters.shape == (len(one.costs), 9)
+    best = practised()["PI2"]
+    cost = PRACTICE.costs(best.parameters[1:2])[0]
+    assert cost == pytest.approx(best.costs[1].min(), abs=5e-3)
 
 
 def test_way_points_lead_along_the_primitive():

@@ -44,7 +44,7 @@ def weighed(tries: ArrayLike, weights: Mapping[str, ArrayLike], goal: ArrayLike)
         ax.annotate("", shares @ tries, (0, 0), arrowprops={"arrowstyle": "->", "lw": 2})
         ax.set(xlabel=r"$\theta_1$ [1]", title=title, aspect="equal")
     axes[0, 0].set_ylabel(r"$\theta_2$ [1]")
-    axes[0, 0].legend(loc="lower left", fontsize=8)
+    axes[0, -1].legend(loc="lower right", fontsize=8)
     return fig
 
 

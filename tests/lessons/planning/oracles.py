@@ -86,18 +86,23 @@ def one_joint_is_at_its_limit_and_none_beyond(answer, path, speed_limit):
 
 
 def level_all_the_way_and_no_mesh_in_a_box(answer, start, goal, world):
-    """The bucket's own axes keep their tilt, and no corner of the machine's meshes is in a box."""
+    """The bucket's own axes keep their tilt, no corner of the machine's meshes is in a box, and its
+    spheres keep the margin from the nearest points of the boxes."""
     assert_allclose(answer[0], start, atol=1e-9)
     assert_allclose(answer[-1], goal, atol=1e-9)
     pieces = pairwise(answer)
-    dense = np.concatenate([np.linspace(a, b, 25) for a, b in pieces])
+    dense = np.concatenate([np.linspace(a, b, 80) for a, b in pieces])
     assert (dense >= world.lower - 1e-12).all() and (dense <= world.upper + 1e-12).all()
-    frames = {link: forward_kinematics(dense, link) for link in ("boom", "stick", "tip")}
-    assert_allclose(np.ptp(frames["tip"][:, 2, :2], axis=0), 0.0, atol=1e-9)
+    frames = [forward_kinematics(dense, link) for link in ("boom", "stick", "tip")]
+    assert_allclose(np.ptp(frames[2][:, 2, :2], axis=0), 0.0, atol=1e-9)
     looks = visuals(world.machine)
-    for link, frame in zip(("boom", "stick", "bucket"), frames.values(), strict=True):
+    for number, (link, T) in enumerate(zip(("boom", "stick", "bucket"), frames, strict=True)):
         corners = np.concatenate([part.vertices for part in looks[link]])
-        placed = np.einsum("nij,kj->nki", frame[:, :3, :3], corners) + frame[:, None, :3, 3]
-        assert placed[..., 2].min() > 0.0
+        mine = world._link == number
+        both = np.concatenate([corners, world._middles[mine]])
+        sizes = np.r_[np.zeros(len(corners)), world._radii[mine] + world.margin - 0.05]
+        placed = np.einsum("nij,kj->nki", T[::4, :3, :3], both) + T[::4, None, :3, 3]
+        assert (placed[..., 2] - sizes).min() > 0.0
         for low, high in world._boxes:
-            assert not ((placed > low) & (placed < high)).all(axis=-1).any()
+            away = np.linalg.norm(np.clip(placed, low, high) - placed, axis=-1)
+            assert (away > sizes - 1e-9).all()

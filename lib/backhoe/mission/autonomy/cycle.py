@@ -53,6 +53,9 @@ WAITS = 3
 DUMPS = (0.0, -1.0, 0.9)
 """Where along the bed it tips, from its middle [m], load after load."""
 
+BACK = "swing back"
+"""Name of the movement that may fall back on the way that was taken to the truck."""
+
 REACH_OF_TIPPING = 3.6, 6.6
 """Distances of the stick's tip from the swing axis above the truck [m]."""
 
@@ -103,6 +106,7 @@ class Mission:
         self.full = _heaped(body)
         self._stand, self._steps = np.array(order.stand), 0
         self._alone: list[float] = []
+        self._way: NDArray | None = None
 
     def do(self) -> str:
         """Work until the order is done or nothing more can be; why it ended."""
@@ -274,13 +278,14 @@ class Mission:
         if hypot(*(again[:2] - above[:2])) > 0.3:
             self._note("the truck has moved: followed it")
             self._carry("follow the truck", again)
+            self._way = None
         x, y, z, _ = again
         tip = np.array([[x, y, z, 1.75]] * 2)
         self._arm(along("tip out", [0.0, 0.4], tip, begin=2.6))
         self.body.loads += 1
         end, loaded = self.body.time, ground.truck_volume - before
         self.loads.append(Load(begin, lifted, end, strip, weighed, dug, loaded, digs))
-        self._carry("swing back", self._ready())
+        self._carry(BACK, self._ready())
 
     def _put_back(self, strip: object) -> None:
         self._carry("swing back to the heap", self._ready())
@@ -336,7 +341,11 @@ class Mission:
                     world = world_seen(size, terrain, belief, margin, self.machine)
                     if world.is_free(np.stack([begin, goal])).all():
                         path = self._ask("planner", around, begin, goal, world.is_free)
+                        self._way = path
                         return moved(path if begin is q else np.vstack([q, path]))
+            if name == BACK and self._way is not None:
+                self._note("no room was seen on the way back: went as it had come")
+                return moved(np.vstack([q, self._way[::-1]]))
             raise ValueError("above the truck or here the arm has no room")
 
         self._arm(Goal(name, motion))

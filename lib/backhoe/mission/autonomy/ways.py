@@ -41,6 +41,9 @@ DETOURS = ((4.6, 4.2), (4.2, 4.6), (5.0, 4.6))
 SIDE, CELLS = 9.0, 91
 """Half side of the ground that is looked at [m], and cells along it."""
 
+OWN = 2.2
+"""So far around it the ground is that on which the machine stands [m]."""
+
 STEEP = 0.8
 """Single cells of the map may be wrong: around each the ground is taken to fall no faster [1]."""
 
@@ -64,7 +67,7 @@ def world_seen(
         margin: to keep [m].
         machine: whose arm.
     """
-    from scipy.ndimage import grey_dilation
+    from scipy.ndimage import grey_dilation, median_filter
 
     c, s = np.cos(belief[2]), np.sin(belief[2])
     dx, dy = truck.x - belief[0], truck.y - belief[1]
@@ -79,6 +82,7 @@ def world_seen(
     x, y = scene.grid()
     wx, wy = belief[0] + x * c - y * s, belief[1] + x * s + y * c
     heights = np.nan_to_num(at(filled(np.asarray(terrain.heights)), wx, wy), nan=0.0)
+    heights = np.where(np.hypot(x, y) < OWN, 0.0, median_filter(heights, 3))
     heights = grey_dilation(heights, structure=-STEEP * np.hypot(*_AROUND) * scene.cell)
     return arm_world(scene, heights, margin=margin, machine=machine)
 

@@ -120,3 +120,12 @@ def test_bad_input_is_named(changed, said):
     given = {"start": [0, 0], "goal": [4, 0], "discs": [[2, 0, 1]], "polygons": []}
     with pytest.raises(ValueError, match=said):
         tangent(**{**given, **changed})
+
+
+def test_an_arc_under_another_disc_is_no_way():
+    """A small disc sits on the large one, where the way over that would be the shortest."""
+    discs = np.array([[2.0, 0.0, 1.0], [2.6, 0.9, 0.6]])
+    start, goal = np.array([0.0, 1.2]), np.array([4.0, 0.1])
+    alone, both = (tangent(start, goal, discs[:n]).length for n in (1, 2))
+    assert both > alone + 0.05
+    assert both == pytest.approx(bound(start, goal, discs, 1.0, np.cos(np.pi / CORNERS)), rel=2e-3)

@@ -5,6 +5,7 @@
 - `cycle`: what to do next, and what to do when something is not as ordered
 - `faults`: what can go wrong; `running`: `run` and what it keeps; `report`: its score
 - `choice`: where to dig; `heaps`: how much soil a choice brings
+- `unattended`: what came of ten missions that nobody watched
 - `ways`: from the heap to the truck; `engine` compiles `loops`
 """
 
@@ -32,6 +33,7 @@ from backhoe.mission.autonomy.faults import FAULTS, Fault
 from backhoe.mission.autonomy.heaps import Loads, heap_site, job, seen
 from backhoe.mission.autonomy.report import AutonomyScore, clearances, report
 from backhoe.mission.autonomy.running import AutonomyRun, run, site
+from backhoe.mission.autonomy.unattended import unattended
 
 __all__ = [
     "DIRECTIONS",
@@ -70,4 +72,5 @@ __all__ = [
     "side_load",
     "site",
     "stroke",
+    "unattended",
 ]

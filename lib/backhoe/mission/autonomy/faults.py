@@ -38,7 +38,7 @@ class Fault:
         return values
 
     def ranges(self, look: int, ranges: NDArray) -> NDArray:
-        """Of a laser (lines, beams) [m] at a look, counted from 0."""
+        """Ranges of a laser at a look, counted from 0: shape (n, m), its lines by its beams [m]."""
         return ranges
 
     def delay(self, look: int) -> float:

@@ -19,7 +19,7 @@ from backhoe.simulation.scene import Scene
 from backhoe.view.appearance import truck_boxes, visuals
 
 OPERATORS = 12.0, 10.0
-"""Times that skilled operators take to dig and to load [s], as the project's brief gives them."""
+"""Times that skilled operators take to dig and to load [s]: Mastalli 2013, 6.7.1 and 6.7.2."""
 
 HYDRAULICS, ENGINE = 0.4, 0.38
 """Shares of the engine's work that arrives at joints and tracks, and of the diesel's heat that the

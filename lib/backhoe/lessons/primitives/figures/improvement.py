@@ -23,9 +23,9 @@ def weighed(tries: ArrayLike, weights: Mapping[str, ArrayLike], goal: ArrayLike)
     """Tries of two parameters as circles, their areas the weights; an arrow to the next mean.
 
     Args:
-        tries: shape (n, 2), around the mean 0.
-        weights: title -> weights, shape (n,).
-        goal: where the cost is least, shape (2,).
+        tries: shape (n, 2), around the mean 0 [1].
+        weights: title -> weights, shape (n,) [1].
+        goal: where the cost is least, shape (2,) [1].
 
     Raises:
         ValueError: no weights, or other shapes.

@@ -16,7 +16,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.kinematics import link_transforms
-from backhoe.basics.inputs import instance, not_negative, number, numbers, positive, short, whole
+from backhoe.basics.inputs import (
+    instance,
+    not_negative,
+    number,
+    numbers,
+    positive,
+    real_numbers,
+    short,
+    whole,
+)
 from backhoe.machine import BACKHOE, JOINTS, Machine
 from backhoe.planning.search.arm_loops import World
 
@@ -82,7 +91,8 @@ class ArmWorld:
         self._middles, self._radii = np.split(np.concatenate(held), [3], axis=1)
         self._radii = self._radii[:, 0]
         self._boxes = _boxes(boxes, "boxes")
-        self._balls = _balls(balls, "balls") if len(balls) else np.empty((0, 4))
+        some = real_numbers(balls, "balls").size
+        self._balls = _balls(balls, "balls") if some else np.empty((0, 4))
         own = instance({} if own is None else own, "own", Mapping)
         if not set(own) <= {"undercarriage", "swing"}:
             raise ValueError(f"own may have undercarriage and swing, got {short(list(own))}")
@@ -208,7 +218,7 @@ def few_spheres(spheres: ArrayLike, count: int) -> NDArray:
     middles, radii = balls[:, :3], balls[:, 3]
     chosen = middles.mean(axis=0)[None]
     chosen = middles[[_gaps(middles, radii, chosen).min(axis=1).argmax()]]
-    for _ in range(whole(count, "count", least=1) - 1):
+    for _ in range(min(whole(count, "count", least=1), len(balls)) - 1):
         far = _gaps(middles, radii, chosen).min(axis=1).argmax()
         chosen = np.vstack([chosen, middles[far]])
     best = None
@@ -243,7 +253,7 @@ def _balls(given: ArrayLike, name: str) -> NDArray:
 
 
 def _boxes(given: ArrayLike, name: str) -> NDArray:
-    if len(given) == 0:
+    if real_numbers(given, name, "boxes").size == 0:
         return np.empty((0, 2, 3))
     boxes = numbers(given, name, ("b", 2, 3), meaning="lower and upper corners [m]")
     if (boxes[:, 0] > boxes[:, 1]).any():

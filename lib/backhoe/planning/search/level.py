@@ -26,8 +26,10 @@ def pitch(q: ArrayLike, machine: Machine = BACKHOE) -> NDArray:
 
     Raises:
         ValueError: the last axis is not 4, or a value is not finite.
+        TypeError: machine is no Machine.
     """
     q = numbers(q, "q", (..., 4), meaning="joints (swing, boom, stick, bucket)")
+    instance(machine, "machine", Machine)
     return q[..., 1:].sum(axis=-1) + sum(link.angle_offset for link in machine.links)
 
 

@@ -21,10 +21,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from backhoe.basics.inputs import function, number, numbers, positive
+from backhoe.basics.inputs import function, number, numbers, positive, truths
+from backhoe.planning.search.checker import FAR, answer_of
 
 HALVINGS = 8
 """How often pieces are halved to keep a rounded corner free."""
+
+MOST_PIECES = 10_000
+"""More of them would take minutes."""
+
+MOST_SAMPLES = 10_000_000
+"""More of them would not fit into the memory."""
+
+LEAST_LIMIT, MOST_LIMIT = 1e-6, 1e6
+"""Of speeds and accelerations [rad/s, rad/s^2]."""
 
 LOOKS = 40
 """Places of each piece where the limits are looked at."""
@@ -95,11 +105,16 @@ def in_time(
     new = np.r_[True, np.diff(reached) > 0]
     path, reached = path[new], reached[new]
     for _ in range(HALVINGS + 1):
+        if reached[-1] > MOST_PIECES * piece:
+            raise ValueError(
+                f"piece must leave at most {MOST_PIECES} pieces of {reached[-1]:.3g} s, "
+                f"got {piece:.3g} s"
+            )
         cuts = np.linspace(0.0, reached[-1], ceil(reached[-1] / piece) + 1)
         inner = np.stack([np.interp(cuts, reached, joint) for joint in path.T], axis=1)
         ends = 2 * inner[[0, -1]] - inner[[1, -2]]
         movement = _as_fast(np.vstack([ends[:1], inner, ends[1:]]), speed_limit, most, dt)
-        if is_free is None or np.all(is_free(movement.q)):
+        if is_free is None or _all_free(is_free, movement.q):
             return movement
         piece /= 2
     raise ValueError("path must be free, and with some room at its corners: no rounding of it is")
@@ -118,6 +133,10 @@ def _as_fast(points: NDArray, speed: NDArray, most: NDArray, dt: float) -> Timed
             square[after] = min(square[after], square[here] + 2 * s[1] * max(rise, 0.0))
     v = np.sqrt(square)
     at = np.r_[0.0, np.cumsum(2 * s[1] / (v[1:] + v[:-1]))]
+    if at[-1] > MOST_SAMPLES * dt:
+        raise ValueError(
+            f"dt must leave at most {MOST_SAMPLES} samples of {at[-1]:.3g} s, got {dt:.3g} s"
+        )
     times = np.linspace(0.0, at[-1], max(round(at[-1] / dt), 1) + 1)
     k = np.clip(np.searchsorted(at, times, "right") - 1, 0, len(s) - 2)
     gain = (square[k + 1] - square[k]) / (2 * s[1])
@@ -143,8 +162,13 @@ def _spline(points: NDArray, s: NDArray) -> tuple[NDArray, NDArray, NDArray]:
     return tuple(sum(w * p for w, p in zip(row, near, strict=True)) / 6 for row in weights)
 
 
+def _all_free(is_free: Callable, q: NDArray) -> bool:
+    answer = answer_of(is_free, "is_free", q.copy())
+    return bool(truths(answer, "the answer of is_free", (len(q),)).all())
+
+
 def _path(path: ArrayLike) -> NDArray:
-    path = numbers(path, "path", ("n", "D"), meaning="one point a row")
+    path = numbers(path, "path", ("n", "D"), meaning="one point a row", within=FAR)
     if len(path) < 2:
         raise ValueError(f"path must have 2 or more points, got {len(path)}")
     return path
@@ -152,5 +176,6 @@ def _path(path: ArrayLike) -> NDArray:
 
 def _limits(values: ArrayLike, name: str, joints: int) -> NDArray:
     values = numbers(values, name, (joints,), meaning="one a joint")
-    number(values.min(), f"the least {name}", above=0.0)
+    number(values.min(), f"the least {name}", least=LEAST_LIMIT)
+    number(values.max(), f"the largest {name}", most=MOST_LIMIT)
     return values

@@ -21,6 +21,12 @@ from backhoe.perception.distance_field import DistanceField
 
 __all__ = ["Foresight", "foresee", "nearest_reachable"]
 
+FAR = 1e6
+"""Largest coordinate that is accepted [m]."""
+
+LEAST_STEP = 1e-4
+"""Between two samples; with less the differences of rounded angles are no speeds [s]."""
+
 ROUNDING = 1e-9
 """Ways and shares within it count as none [m, rad, 1]."""
 
@@ -130,22 +136,28 @@ def foresee(
     Raises:
         ValueError: shapes, times that do not rise, values that are not finite, a field without
             spheres or an unknown frame.
-        TypeError: margin is no function, field no DistanceField.
+        TypeError: margin is no function, field no DistanceField, machine no Machine.
     """
-    path = inputs.numbers(path, "path", ("n", 4), meaning="x, y, z [m] and bucket angle [rad]")
+    path = _path(path)
     inputs.whole(len(path), "samples of the path", least=2)
-    if np.ndim(times) == 0:
+    if inputs.real_numbers(times, "times").ndim == 0:
         times = inputs.positive(times, "times", "s") * np.arange(len(path))
     times = inputs.times(times, "times")
     if len(times) != len(path):
         raise ValueError(f"times must be one for each of {len(path)} samples, got {len(times)}")
+    inputs.number(np.diff(times).min(), "the least step of times", "s", least=LEAST_STEP)
     nearest, q = nearest_reachable(path, machine)
     dq = np.gradient(q, times, axis=0)
     distance, edge = None, None
     if margin is not None:
         ddq = np.gradient(dq, times, axis=0)
         form = "margin(q, dq, ddq, machine=...) -> distance [m], edge"
-        distance, edge = inputs.function(margin, "margin", form)(q, dq, ddq, machine=machine)
+        inputs.function(margin, "margin", form)
+        try:
+            distance, edge = margin(q, dq, ddq, machine=machine)
+        except Exception as error:
+            raise ValueError(f"margin must answer, {form}: {error}") from error
+        distance = inputs.numbers(distance, "the distance of margin", (len(q),), finite=False)
     return Foresight(
         times,
         nearest,
@@ -176,8 +188,10 @@ def nearest_reachable(path: ArrayLike, machine: Machine = BACKHOE) -> tuple[NDAr
 
     Raises:
         ValueError: another shape or a value that is not finite.
+        TypeError: machine is no Machine.
     """
-    path = inputs.numbers(path, "path", ("n", 4), meaning="x, y, z [m] and bucket angle [rad]")
+    path = _path(path)
+    inputs.instance(machine, "machine", Machine)
     low, high = machine.lower, machine.upper
     wanted = path.copy()
     wanted[:, 3] = np.clip(path[:, 3], low[3], high[3])
@@ -186,6 +200,11 @@ def nearest_reachable(path: ArrayLike, machine: Machine = BACKHOE) -> tuple[NDAr
         q[k] = _nearest(wanted[k], machine)
         wanted[k, :3] = forward_kinematics(q[k], "stick", machine)[:3, 3]
     return wanted, q
+
+
+def _path(path: ArrayLike) -> NDArray:
+    meaning = "x, y, z [m] and bucket angle [rad]"
+    return inputs.numbers(path, "path", ("n", 4), meaning=meaning, within=FAR)
 
 
 def _nearest(target: NDArray, machine: Machine) -> NDArray:
@@ -239,10 +258,11 @@ def _on_arc(angle: float, low: float, high: float) -> float:
 
 def _clearance(q: NDArray, machine: Machine, field: DistanceField, spheres: Mapping) -> NDArray:
     inputs.instance(field, "field", DistanceField)
-    if not spheres:
-        raise ValueError("a field needs spheres that cover the arm: frame -> (k, 4) [m]")
+    advice = "a field needs spheres that cover the arm: frame -> (k, 4) [m]"
+    if not inputs.instance({} if spheres is None else spheres, "spheres", Mapping, advice):
+        raise ValueError(f"spheres must not be none: {advice}")
     least = np.full(len(q), np.inf)
-    for frame, given in inputs.instance(spheres, "spheres", Mapping).items():
+    for frame, given in spheres.items():
         inputs.choice(frame, "frame of spheres", FRAMES)
         balls = inputs.numbers(given, f"spheres of {frame}", ("k", 4), meaning="middle, radius [m]")
         T = forward_kinematics(q, frame, machine)

@@ -14,6 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics import inputs
 
+MOST_TRIES = 1_000_000
+"""More of them would not end."""
+
 COST = "cost(tries (n, p)) -> costs (n,)"
 
 
@@ -93,6 +96,7 @@ def practise(
     if spread.shape not in ((), mean.shape) or not (spread > 0).all():
         raise ValueError(f"spread must be above 0, one or {len(mean)} in a row, got {spread}")
     batch, budget = inputs.whole(batch, "batch", least=2), inputs.whole(budget, "budget", least=2)
+    inputs.whole(budget, "budget", most=MOST_TRIES)
     decay = inputs.number(decay, "decay", above=0.0, most=1.0)
     rng = inputs.generator(rng)
     tries, costs = np.empty((0, len(mean))), np.empty(0)

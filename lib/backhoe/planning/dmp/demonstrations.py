@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics import inputs
+from backhoe.planning.dmp.spring import whole_steps
 
 WAY_POINTS = {
     "dig": (
@@ -50,6 +51,9 @@ NOISE = (0.005, 0.005, 0.005, 0.005)
 SPREAD = (0.05, 0.05, 0.05, 0.03)
 """Standard deviation of an operator's way-points from one time to the next [m, m, m, rad]."""
 
+LONGEST = 1e5
+"""Duration that is recorded at most [s]."""
+
 HASTE = 0.06
 """Standard deviation of an operator's duration, as a share of it."""
 
@@ -73,8 +77,8 @@ def through(times: ArrayLike, points: ArrayLike, dt: float = 0.01) -> Demonstrat
         Times and positions.
 
     Raises:
-        ValueError: other shapes, times that do not rise from 0, a step that is not positive or
-            longer than the movement.
+        ValueError: other shapes, times that do not rise from 0, a step that is not positive, longer
+            than the movement or less than a millionth of it.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -84,6 +88,7 @@ def through(times: ArrayLike, points: ArrayLike, dt: float = 0.01) -> Demonstrat
         raise ValueError(f"times must rise from 0, got {times}")
     if inputs.positive(dt, "dt", "s") > times[-1]:
         raise ValueError(f"dt must be at most the movement's {times[-1]:.2f} s, got {dt:g}")
+    whole_steps(times[-1], dt)  # not too many
     still = [(1, np.zeros(4)), (2, np.zeros(4))]
     spline = make_interp_spline(times, points, k=5, bc_type=(still, still))
     t = np.linspace(0.0, times[-1], round(times[-1] / dt) + 1)
@@ -120,9 +125,13 @@ def recorded(demo: Demonstration, seed: int = 0, noise: tuple[float, ...] = NOIS
 
     Raises:
         ValueError: other shapes, times that do not rise, a negative noise, no valid seed.
+        TypeError: demo is no pair.
     """
-    times = inputs.times(demo[0], "times")
-    positions = inputs.numbers(demo[1], "positions", (len(times), 4))
+    if len(inputs.instance(demo, "demo", (tuple, list))) != 2:
+        raise ValueError(f"demo must be times and positions, got {len(demo)} things")
+    times = inputs.times(demo[0], "the times of demo")
+    positions = inputs.numbers(demo[1], "the positions of demo", (len(times), 4))
+    inputs.number(times[-1] - times[0], "the duration of demo", "s", most=LONGEST)
     noise = inputs.numbers(noise, "noise", (4,), meaning="standard deviations")
     if noise.min() < 0:
         raise ValueError(f"noise must not be negative, got {noise}")
@@ -140,7 +149,7 @@ def repetitions(name: str = "dig", count: int = 5, seed: int = 0) -> list[Demons
 
     Args:
         name: "dig" or "load".
-        count: how many, at least 1.
+        count: how many, 1 to 10,000.
         seed: of the spread, the times and the noise.
 
     Returns:
@@ -150,7 +159,7 @@ def repetitions(name: str = "dig", count: int = 5, seed: int = 0) -> list[Demons
         ValueError: another name, no count, no valid seed.
     """
     way = np.array(WAY_POINTS[inputs.choice(name, "name", WAY_POINTS)])
-    count = inputs.whole(count, "count", least=1)
+    count = inputs.whole(count, "count", least=1, most=10_000)
     rng = np.random.default_rng(inputs.whole(seed, "seed", least=0))
     done = []
     for _ in range(count):

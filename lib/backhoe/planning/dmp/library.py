@@ -52,8 +52,12 @@ class Library(Mapping):
         return len(self._primitives)
 
     def save(self, folder: str | Path) -> None:
-        """Write a file `<name>.json` for each primitive into the folder, made if need be."""
-        folder = Path(folder)
+        """Write a file `<name>.json` for each primitive into the folder, made if need be.
+
+        Raises:
+            TypeError: folder is neither text nor a Path.
+        """
+        folder = _folder(folder)
         folder.mkdir(parents=True, exist_ok=True)
         for name, one in self.items():
             text = json.dumps(_written(one), indent=1)
@@ -65,11 +69,16 @@ class Library(Mapping):
 
         Raises:
             ValueError: a folder without such files, or a file that is none of them.
+            TypeError: folder is neither text nor a Path.
         """
-        files = sorted(Path(folder).glob("*.json"))
+        files = sorted(_folder(folder).glob("*.json"))
         if not files:
             raise ValueError(f"folder must hold primitives, <name>.json, got {str(folder)!r}")
         return cls({file.stem: _read(file) for file in files})
+
+
+def _folder(given: str | Path) -> Path:
+    return Path(inputs.instance(given, "folder", (str, Path)))
 
 
 def _written(one: DMP) -> dict:

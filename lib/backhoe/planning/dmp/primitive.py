@@ -120,8 +120,23 @@ class DMP:
         return self
 
     def forcing(self, shown: Motion, basis: Basis) -> NDArray:
-        """f that would have moved the spring as shown, shape (m, d) [unit]: (6.8)."""
+        """f that would have moved the spring as shown, shape (m, d) [unit]: (6.8).
+
+        Args:
+            shown: m samples of d dimensions.
+            basis: the kernels at their shares of the duration.
+
+        Raises:
+            TypeError: shown is no Motion or basis no Basis.
+            ValueError: a basis of other samples; "ijspeert" with a dimension that ends where it
+                began.
+        """
         from backhoe.planning.dmp import engine
+
+        inputs.instance(shown, "shown", Motion, "motion(positions, times) makes one")
+        inputs.instance(basis, "basis", Basis, "Kernels.basis(share) makes one")
+        if len(basis.s) != len(shown.t):
+            raise ValueError(f"basis must have {len(shown.t)} samples, got {len(basis.s)}")
 
         tau = self.tau * shown.duration / self.duration
         by_v, by_a = tau * self.damping / self.stiffness, tau**2 / self.stiffness

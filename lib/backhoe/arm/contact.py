@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
 from backhoe.arm.kinematics import joint_vector
-from backhoe.basics.inputs import numbers
+from backhoe.arm.kinematics.forward import leading_shape
+from backhoe.basics.inputs import instance, numbers
 from backhoe.machine import BACKHOE, Machine
 
 WORST_POSTURE = 1e6
@@ -38,8 +39,10 @@ def contact_jacobian(q: ArrayLike, machine: Machine = BACKHOE) -> NDArray:
 
     Raises:
         ValueError: the last axis is not 4, or a value is not finite.
+        TypeError: machine is no Machine.
     """
     q = joint_vector(q)
+    instance(machine, "machine", Machine)
     J = np.empty((*q.shape, 4))
     J[..., :3, :] = kinematics.jacobian(q, machine=machine)[..., :3, :]
     J[..., 3, :] = 0.0, 1.0, 1.0, 1.0
@@ -58,10 +61,13 @@ def joint_torque(q: ArrayLike, push: ArrayLike, machine: Machine = BACKHOE) -> N
         J^T w, shape (..., 4) [N m].
 
     Raises:
-        ValueError: a last axis is not 4, or a value is not finite.
+        ValueError: a last axis is not 4, a value is not finite, or leading axes do not fit.
+        TypeError: machine is no Machine.
     """
     push = numbers(push, "push", (..., 4), meaning=PUSH)
-    return np.einsum("...ij,...i->...j", contact_jacobian(q, machine), push)
+    J = contact_jacobian(q, machine)
+    leading_shape(J[..., 0], push)
+    return np.einsum("...ij,...i->...j", J, push)
 
 
 def push_from(q: ArrayLike, torque: ArrayLike, machine: Machine = BACKHOE) -> NDArray:
@@ -77,11 +83,14 @@ def push_from(q: ArrayLike, torque: ArrayLike, machine: Machine = BACKHOE) -> ND
         J^-T tau, force in the base frame [N] and moment raising the pitch [N m], shape (..., 4).
 
     Raises:
-        ValueError: a last axis is not 4, a value is not finite, or a posture in which the joints
-            do not tell: stick and boom in one line, or the tip on the swing axis.
+        ValueError: a last axis is not 4, a value is not finite, leading axes do not fit, or a
+            posture in which the joints do not tell: stick and boom in one line, or the tip on the
+            swing axis.
+        TypeError: machine is no Machine.
     """
     torque = numbers(torque, "torque", (..., 4), meaning="torques of the joints [N m]")
     turned = np.swapaxes(contact_jacobian(q, machine), -1, -2)
+    leading_shape(turned[..., 0], torque)
     if (np.linalg.cond(turned) > WORST_POSTURE).any():
         raise ValueError("in this posture the joints do not tell the push: J is singular")
     return np.linalg.solve(turned, torque[..., None])[..., 0]

@@ -37,6 +37,9 @@ from backhoe.whole_body.stability import EDGES
 TICK = TICKS_PER_DIG * STEP
 """Between two visits to the soil [s]."""
 
+LONGEST = 600.0
+"""Duration of a dig at most [s]."""
+
 TARGET = "x, y, z of the stick's tip [m] and the bucket's angle [rad]"
 
 
@@ -142,7 +145,8 @@ def dig(
     Args:
         path: stick's tip x, y, z in the base frame [m] and bucket joint's angle [rad], shape
             (n, 4), n at least 4; between its rows a cubic spline.
-        times: of the rows, rising, shape (n,), or the one step between them, shape () [s].
+        times: of the rows, rising, shape (n,), or the one step between them, shape () [s]; they
+            last 600 s at most.
         scene: what stands around the machine.
         seed: of the bumps on its heaps.
         soil: a name in `soil.SOILS` or `SoilParameters`.
@@ -196,7 +200,9 @@ def dig_many(
         ValueError: as for `dig`; not as many times as paths.
         TypeError: as for `dig`, or a ground, which paths side by side cannot share.
     """
-    paths = list(paths)
+    if isinstance(paths, np.ndarray):
+        inputs.numbers(paths, "paths", ("k", "n", 4), meaning=TARGET)
+    paths = list(inputs.instance(paths, "paths", Iterable))
     if "ground" in world:
         raise TypeError("dig_many takes no ground: each path digs its own, use dig one by one")
     each = isinstance(times, (list, tuple)) and len(times) > 0 and np.ndim(times[0]) > 0
@@ -216,10 +222,11 @@ def _led(path: ArrayLike, times: ArrayLike, machine: Machine) -> tuple[NDArray, 
     from scipy.interpolate import CubicSpline
 
     path = inputs.numbers(path, "path", ("n", 4), meaning=TARGET)
-    if np.ndim(times) == 0:
+    if inputs.real_numbers(times, "times").ndim == 0:
         times = inputs.positive(times, "times", "s") * np.arange(len(path))
     times = inputs.times(times, "times", least=4)
     inputs.numbers(path, "path", (len(times), 4), meaning=f"{TARGET} at each of the times")
+    inputs.number(times[-1] - times[0], "the duration of times", "s", most=LONGEST)
     t = np.arange(round((times[-1] - times[0]) / TICK) + 1) * TICK
     if len(t) < 4:
         raise ValueError(f"a path must last {3 * TICK} s or more, got {times[-1] - times[0]} s")
@@ -231,7 +238,9 @@ def _led(path: ArrayLike, times: ArrayLike, machine: Machine) -> tuple[NDArray, 
         try:
             kinematics.inverse_kinematics(targets[k], machine=machine)
         except ValueError as error:
-            raise ValueError(f"path, {t[k]:.2f} s after its start: {error}") from error
+            raise ValueError(
+                f"path must be in reach, {t[k]:.2f} s after its start: {error}"
+            ) from error
     q[:, 0] = np.unwrap(q[:, 0])
     joints = CubicSpline(t, q)
     return t, q, joints(t, 1), joints(t, 2)

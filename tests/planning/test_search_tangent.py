@@ -123,9 +123,9 @@ def test_bad_input_is_named(changed, said):
 
 
 def test_an_arc_under_another_disc_is_no_way():
-    """A small disc sits on the large one, where the way over that would be the shortest."""
-    discs = np.array([[2.0, 0.0, 1.0], [2.6, 0.9, 0.6]])
-    start, goal = np.array([0.0, 1.2]), np.array([4.0, 0.1])
-    alone, both = (tangent(start, goal, discs[:n]).length for n in (1, 2))
-    assert both > alone + 0.05
-    assert both == pytest.approx(bound(start, goal, discs, 1.0, np.cos(np.pi / CORNERS)), rel=2e-3)
+    """A small disc sits on the large one, above and below: the way touches the small one alone,
+    although both ends of the large one's arc can be reached."""
+    discs = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.5], [0.0, -1.0, 0.5]]
+    climb = np.arctan2(1, 2) + np.arcsin(0.5 / 5**0.5)
+    found = tangent([-2, 0], [2, 0], discs)
+    assert found.length == pytest.approx(2 * (5 - 0.25) ** 0.5 + 0.5 * 2 * climb)

@@ -106,6 +106,31 @@ def test_rrt_star_gets_shorter_and_its_costs_are_its_ways():
     assert last < 0.95 * first
 
 
+class Given(np.random.Generator):
+    """Random places that are known."""
+
+    def __init__(self, places):
+        super().__init__(np.random.PCG64(0))
+        self.places = iter(places)
+
+    def random(self):
+        return 1.0
+
+    def uniform(self, lower, upper):
+        return np.array(next(self.places))
+
+
+def test_rrt_star_joins_a_place_where_its_whole_way_is_shortest():
+    """The place before the last is neither the nearest nor the one with the shortest way itself."""
+    places = [[1.4, 0.5], [0.55, 1.3], [1.5, 1.2], [1.6, 1.2]]
+    log = Log()
+    with pytest.raises(NoPath):
+        given = {"step": 1.0, "radius": 100.0, "seed": Given(places), "budget": 4, "log": log}
+        rrt_star(START, GOAL, lambda q: np.ones(len(q), bool), LOWER, UPPER, **given)
+    np.testing.assert_array_equal(log.points[1:], places)
+    assert log.edges.tolist() == [[0, 1], [0, 2], [1, 3], [1, 4]]
+
+
 def test_more_neighbours_and_more_samples_make_rrt_stars_ways_shorter():
     def mean(**given):
         return np.mean(
@@ -128,6 +153,18 @@ def test_the_least_radius_is_karamans_and_frazzolis():
     assert (rrt_star(START, GOAL, is_free, LOWER, UPPER, radius=radius, **given) == path).all()
     other = rrt_star(START, GOAL, is_free, LOWER, UPPER, radius=0.7 * radius, **given)
     assert other.shape != path.shape or not (other == path).all()
+
+
+def test_connects_second_tree_goes_straight_to_the_place_that_the_first_reached():
+    for seed in range(5):
+        log = Log()
+        given = {"step": 0.5, "seed": seed, "log": log}
+        path = rrt_connect(START, GOAL, lambda q: np.ones(len(q), bool), LOWER, UPPER, **given)
+        assert np.linalg.norm(path[1] - START) == pytest.approx(0.5)
+        way = GOAL - path[1]
+        off = (path[1:] - path[1]) @ [-way[1], way[0]]
+        np.testing.assert_allclose(off, 0, atol=1e-9)
+        assert len(log.points) == len(path) + 1  # where they met is in both
 
 
 def test_connect_needs_fewer_evaluations_than_a_single_tree():

@@ -37,55 +37,58 @@ class World(NamedTuple):
     asked: NDArray
 
 
-def all_free(world, q, until_hit=False):
-    """Of postures, shape (n, 4), whether they are within the limits and hit nothing, shape (n,).
-
-    The outermost spheres come first: they are the ones that hit. With `until_hit` the first
-    posture that is not free ends it, and the later ones are said not to be.
-    """
-    arm, limits, spheres, balls, boxes, heights, place, asked = world
+def all_free(world, q):
+    """Of postures, shape (n, 4), whether they are within the limits and hit nothing, shape (n,)."""
     found = np.zeros(len(q), np.bool_)
     for n in range(len(q)):
-        asked[0] += 1
-        free = True
-        for i in range(4):
-            free = free and limits[0, i] <= q[n, i] <= limits[1, i]
-        across, ahead = -sin(q[n, 0]), cos(q[n, 0])
-        p1 = q[n, 1] + arm[6]
-        p2 = p1 + q[n, 2] + arm[7]
-        p3 = p2 + q[n, 3] + arm[8]
-        c, s = (cos(p1), cos(p2), cos(p3)), (sin(p1), sin(p2), sin(p3))
-        r1, z1 = arm[1] + arm[3] * c[0], arm[2] + arm[3] * s[0]
-        r2, z2 = r1 + arm[4] * c[1], z1 + arm[4] * s[1]
-        r, z = (r1, r2, r2 + arm[5] * c[2]), (z1, z2, z2 + arm[5] * s[2])
-        k = len(spheres) - 1
-        while free and k >= 0:
-            i, radius = int(spheres[k, 0]), spheres[k, 5]
-            along, above, beside = spheres[k, 2], spheres[k, 3], spheres[k, 4]
-            far = r[i] + along * c[i] - above * s[i]
-            h = z[i] + along * s[i] + above * c[i]
-            x, y = arm[0] + far * across + beside * ahead, far * ahead - beside * across
-            if (h - place[4]) * place[3] < radius:  # not above all of the ground
-                free = (h - ground(heights, place, x, y)) * place[3] >= radius
-            for j in range(len(balls)):
-                touch = radius + balls[j, 3]
-                u, v, w = x - balls[j, 0], y - balls[j, 1], h - balls[j, 2]
-                free = free and u * u + v * v + w * w >= touch * touch
-            for j in range(len(boxes)):
-                if boxes[j, 0] > 0.0 and spheres[k, 1] == 0.0:
-                    continue
-                u, v, w = x, y, h
-                if boxes[j, 0] == 2.0:
-                    u, v, w = far - arm[1], h - arm[2], beside
-                u = max(boxes[j, 1] - u, u - boxes[j, 4], 0.0)
-                v = max(boxes[j, 2] - v, v - boxes[j, 5], 0.0)
-                w = max(boxes[j, 3] - w, w - boxes[j, 6], 0.0)
-                free = free and u * u + v * v + w * w >= radius * radius
-            k -= 1
-        found[n] = free
-        if until_hit and not free:
-            break
+        found[n] = free_at(world, q[n])
     return found
+
+
+def free_at(world, q):
+    """The same of one posture, shape (4,).
+
+    The outermost spheres come first: they are the ones that hit.
+    """
+    arm, limits, spheres, balls, boxes, heights, place, asked = world
+    asked[0] += 1
+    for i in range(4):
+        if not limits[0, i] <= q[i] <= limits[1, i]:
+            return False
+    across, ahead = -sin(q[0]), cos(q[0])
+    p1 = q[1] + arm[6]
+    p2 = p1 + q[2] + arm[7]
+    p3 = p2 + q[3] + arm[8]
+    c, s = (cos(p1), cos(p2), cos(p3)), (sin(p1), sin(p2), sin(p3))
+    r1, z1 = arm[1] + arm[3] * c[0], arm[2] + arm[3] * s[0]
+    r2, z2 = r1 + arm[4] * c[1], z1 + arm[4] * s[1]
+    r, z = (r1, r2, r2 + arm[5] * c[2]), (z1, z2, z2 + arm[5] * s[2])
+    for k in range(len(spheres) - 1, -1, -1):
+        i, radius = int(spheres[k, 0]), spheres[k, 5]
+        along, above, beside = spheres[k, 2], spheres[k, 3], spheres[k, 4]
+        far = r[i] + along * c[i] - above * s[i]
+        h = z[i] + along * s[i] + above * c[i]
+        x, y = arm[0] + far * across + beside * ahead, far * ahead - beside * across
+        if (h - place[4]) * place[3] < radius:  # not above all of the ground
+            if (h - ground(heights, place, x, y)) * place[3] < radius:
+                return False
+        for j in range(len(balls)):
+            touch = radius + balls[j, 3]
+            u, v, w = x - balls[j, 0], y - balls[j, 1], h - balls[j, 2]
+            if u * u + v * v + w * w < touch * touch:
+                return False
+        for j in range(len(boxes)):
+            if boxes[j, 0] > 0.0 and spheres[k, 1] == 0.0:
+                continue
+            u, v, w = x, y, h
+            if boxes[j, 0] == 2.0:
+                u, v, w = far - arm[1], h - arm[2], beside
+            u = max(boxes[j, 1] - u, u - boxes[j, 4], 0.0)
+            v = max(boxes[j, 2] - v, v - boxes[j, 5], 0.0)
+            w = max(boxes[j, 3] - w, w - boxes[j, 6], 0.0)
+            if u * u + v * v + w * w < radius * radius:
+                return False
+    return True
 
 
 def ground(heights, place, x, y):
@@ -105,18 +108,19 @@ def edge_free(world, a, b, resolution):
     way = 0.0
     for i in range(4):
         way += (b[i] - a[i]) ** 2
-    n = max(1, ceil(way**0.5 / resolution))
-    q, row, step = np.empty((n, 4)), 1, 1
-    q[0] = b
+    if not free_at(world, b):
+        return False
+    n, step, place = max(1, ceil(way**0.5 / resolution)), 1, np.empty(4)
     while step < n:
         step *= 2
     while step > 1:
         for k in range(step // 2, n, step):
             for i in range(4):
-                q[row, i] = a[i] + k / n * (b[i] - a[i])
-            row += 1
+                place[i] = a[i] + k / n * (b[i] - a[i])
+            if not free_at(world, place):
+                return False
         step //= 2
-    return all_free(world, q, True).all()
+    return True
 
 
 def nearest(tree, n, place):

@@ -146,7 +146,7 @@ class ArmWorld:
 
         q = numbers(q, "q", (..., 4), meaning="joints (swing, boom, stick, bucket)")
         flat = np.ascontiguousarray(q.reshape(-1, 4))
-        return engine.all_free(self.numbers, flat, False).reshape(q.shape[:-1])
+        return engine.all_free(self.numbers, flat).reshape(q.shape[:-1])
 
     def _gap(self, q: NDArray) -> NDArray:
         """Clearance of postures (n, 4), shape (n,) [m]."""

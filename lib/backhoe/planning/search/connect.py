@@ -16,7 +16,7 @@ from backhoe.planning.search import grow
 from backhoe.planning.search.arm_world import ArmWorld
 from backhoe.planning.search.checker import IsFree, Log, NoPath, Problem, path_length
 
-AT_ONCE = 50
+AT_ONCE = 100
 """Samples between two looks at the clock."""
 
 
@@ -68,7 +68,7 @@ def rrt_connect(
         while met[0] < 0 and done < problem.budget:
             checker.on_time()
             n = min(AT_ONCE, problem.budget - done)
-            samples = rng.uniform(problem.lower, problem.upper, (n, D))
+            samples = problem.lower + (problem.upper - problem.lower) * rng.random((n, D))
             if sizes.max() + n * most > trees.shape[1]:
                 trees = np.concatenate([trees, np.empty_like(trees)], axis=1)
                 before = np.concatenate([before, np.full_like(before, -1)], axis=1)

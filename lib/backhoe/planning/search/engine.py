@@ -14,6 +14,7 @@ connect, all_free, *_ = compiled(
     arm_loops.all_free,
     grow.extend,
     grow.distance,
+    arm_loops.free_at,
     arm_loops.nearest,
     arm_loops.edge_free,
     arm_loops.ground,
@@ -29,5 +30,5 @@ def compile_now() -> None:
     zeros = [np.zeros(shape) for shape in (9, (2, 4), (0, 6), (0, 4), (0, 7), (2, 2), 5)]
     world = arm_loops.World(*zeros, one)
     trees, none = np.empty((2, 1, 4)), np.zeros((2, 1), np.int64)
-    all_free(world, row, False)
+    all_free(world, row)
     connect(trees, none, np.ones(2, np.int64), row, 0, 1.0, 1.0, world)

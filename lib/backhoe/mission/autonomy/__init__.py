@@ -5,7 +5,7 @@
 - `cycle`: what to do next, and what to do when something is not as ordered
 - `faults`: what can go wrong; `running`: `run` and what it keeps; `report`: its score
 - `choice`: where to dig; `heaps`: how much soil a choice brings
-- `unattended`: what came of ten missions that nobody watched
+- `learnt`: a stroke learnt from an operator; `unattended`: ten missions that nobody watched
 - `ways`: from the heap to the truck; `engine` compiles `loops`
 """
 
@@ -31,6 +31,7 @@ from backhoe.mission.autonomy.choice import (
 from backhoe.mission.autonomy.cycle import Load, Order
 from backhoe.mission.autonomy.faults import FAULTS, Fault
 from backhoe.mission.autonomy.heaps import Loads, heap_site, job, seen
+from backhoe.mission.autonomy.learnt import learnt_stroke
 from backhoe.mission.autonomy.report import AutonomyScore, clearances, report
 from backhoe.mission.autonomy.running import AutonomyRun, run, site
 from backhoe.mission.autonomy.unattended import unattended
@@ -63,6 +64,7 @@ __all__ = [
     "heap_site",
     "highest_strip",
     "job",
+    "learnt_stroke",
     "polar",
     "random_strip",
     "reach",

@@ -94,3 +94,6 @@ def test_a_strip_out_of_reach_is_refused():
         autonomy.learnt_stroke(Strip(0.0, 9.0, 0.3), HEAP, *VIEW)
     with pytest.raises(ValueError, match="remedy"):
         autonomy.learnt_stroke(STRIPS[0], HEAP, *VIEW, remedy="hope")
+    for stroke in (autonomy.learnt_stroke, autonomy.stroke):
+        with pytest.raises(ValueError, match="strip must be finite"):
+            stroke(Strip(np.nan, 6.0, 0.3), HEAP, *VIEW)

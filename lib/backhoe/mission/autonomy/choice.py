@@ -325,8 +325,9 @@ def stroke(
         angle [rad] then, (5, 4).
 
     Raises:
-        ValueError: the strip is out of the arm's reach.
+        ValueError: the strip is out of the arm's reach, or not three finite numbers.
     """
+    strip = Strip(*inputs.numbers(strip, "strip", (3,), meaning="direction, start, depth").tolist())
     start = forward_kinematics(inverse_kinematics(_moved(0.0, 0.0, 0.0)[1]))[:3, 3]
     out = strip.start - (start[0] - BACKHOE.base.offset)
     up = edge_height(strip, heights, directions, reaches) - start[2]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.arm.kinematics import forward_kinematics, inverse_kinematics
+from backhoe.basics import inputs
 from backhoe.machine import BACKHOE
 from backhoe.mission.autonomy.choice import LEVEL, Strip, edge_height
 from backhoe.planning.dmp import DMP, demonstration
@@ -83,8 +84,9 @@ def learnt_stroke(
         [rad] then, (n, 4).
 
     Raises:
-        ValueError: the stroke is out of the arm's reach, or an unknown remedy.
+        ValueError: a strip of other numbers, one out of the arm's reach, or an unknown remedy.
     """
+    strip = Strip(*inputs.numbers(strip, "strip", (3,), meaning="direction, start, depth").tolist())
     primitive, entry = learnt()
     height = edge_height(strip, heights, directions, reaches)
     shift = np.array([strip.start - entry[0], height - entry[1], 0.0])

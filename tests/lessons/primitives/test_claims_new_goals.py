@@ -115,3 +115,17 @@ def test_the_stiff_way_to_that_truck_is_out_of_reach_and_the_others_are_not():
     stiff = stiff_path(positions, phase(times, times[-1]), goal)
     with pytest.raises(ValueError, match="needs the stick at"):
         inverse_kinematics(stiff)
+
+
+def test_goals_moved_as_the_thesis_moves_them_stay_nearer_to_what_was_shown_by_minimum_jerk():
+    dig, driven = DMP().learn(*demonstration("dig")[::-1]), 0
+    shown = dig.rollout()[1]
+    for shift in np.vstack([np.diag([1.0, 1.0, 1.0, 0.5]), -np.diag([1.0, 1.0, 1.0, 0.5])]):
+        goal, beyond = dig.goal + shift, []
+        low, high = (np.vstack([getattr(shown, end)(axis=0), goal]) for end in ("min", "max"))
+        for remedy in ("none", "minimum_jerk"):
+            t, x, _ = dig.rollout(goal=goal, remedy=remedy, dt=0.02)
+            beyond.append(max(0.0, (low.min(axis=0) - x).max(), (x - high.max(axis=0)).max()))
+        assert beyond[1] <= beyond[0] + 1e-3
+        driven += foresee(x, t, margin=stability.margin).ok
+    assert driven == 7

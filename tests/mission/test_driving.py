@@ -297,7 +297,9 @@ def test_only_what_has_a_shape_can_be_recorded():
 
 
 def test_score_refuses_what_is_no_run():
-    with pytest.raises(TypeError, match=r"take what mission\.run, drive, survey or grade"):
+    with pytest.raises(
+        TypeError, match=r"take what mission\.run, drive, survey, grade or autonomy\.run"
+    ):
         mission.score(7)
 
 

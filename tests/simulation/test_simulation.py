@@ -368,10 +368,10 @@ def test_soil_is_felt_only_in_it(world):
 def test_the_soil_is_told_how_fast_the_bucket_turns(world, monkeypatch):
     """At visits and in between: the change of the bucket's pitch from step to step."""
     told, ground = [], world.ground
-    for name in ("advance", "force"):
+    for name, at in (("advance", 3), ("force", 2)):
         asked = getattr(ground, name)
         monkeypatch.setattr(
-            ground, name, lambda *call, asked=asked: (told.append(call[-1]), asked(*call))[1]
+            ground, name, lambda *call, a=asked, at=at: (told.append(call[at]), a(*call))[1]
         )
     world._in_soil, pitches = True, []
     for _ in range(25):

@@ -1,4 +1,4 @@
-"""The laws of `forces`, `servo`, `tracks`, `moving_base` and `standing`, compiled.
+"""The laws of `forces`, `servo`, `pid_law`, `tracks`, `moving_base` and `standing`, compiled.
 
 They run a thousand times a second. Give `push` its numbers as a plain tuple: Numba takes that over
 faster.
@@ -8,15 +8,16 @@ from __future__ import annotations
 
 from backhoe.arm.dynamics import terms
 from backhoe.basics.engine import compiled
-from backhoe.simulation import forces, moving_base, servo, standing, tracks
+from backhoe.simulation import forces, moving_base, pid_law, servo, standing, tracks
 from backhoe.whole_body.stability import terms as stability_terms
 
-push, tip_motion, balance, stand, speed_torque, *_ = compiled(
+push, tip_motion, balance, stand, speed_torque, hold, *_ = compiled(
     forces.push,
     forces.tip_motion,
     moving_base.balance,
     standing.stand,
     servo.speed_torque,
+    pid_law.hold,
     tracks.shear,
     tracks.run_belts,
     tracks.drive_belts,

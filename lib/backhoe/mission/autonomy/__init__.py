@@ -6,7 +6,7 @@
 - `faults`: what can go wrong; `running`: `run` and what it keeps; `report`: its score
 - `choice`: where to dig; `heaps`: how much soil a choice brings
 - `learnt`: a stroke learnt from an operator; `unattended`: ten missions that nobody watched
-- `ways`: from the heap to the truck; `engine` compiles `loops`
+- `ways`: from the heap to the truck
 """
 
 from backhoe.mission.autonomy.actions import Action, ActionServer, Feedback, Goal, along, reach

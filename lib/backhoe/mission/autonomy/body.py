@@ -259,7 +259,7 @@ class Holding:
     """
 
     def __init__(self, machine: Machine, dt: float) -> None:
-        from backhoe.mission.autonomy import engine
+        from backhoe.simulation import engine
 
         self._hold, self._dt = engine.hold, dt
         self._fixed = np.array(arm_of(machine)), np.array(pid.ARM_GAINS), machine.torque_limit

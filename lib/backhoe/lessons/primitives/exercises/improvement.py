@@ -72,7 +72,7 @@ def _batches(rng: np.random.Generator) -> list[tuple]:
         if k % 3 == 1:
             costs[rng.integers(len(costs))] = np.inf
         if k % 4 == 2:
-            costs -= costs[0]
+            costs -= costs[np.isfinite(costs)][0]
         cases.append((costs, float(rng.choice([1.0, 5.0, 10.0, 30.0]))))
     return cases
 

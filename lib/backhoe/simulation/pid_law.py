@@ -1,4 +1,4 @@
-"""The controller's law of one step, for `engine`: the PID of lesson 03 and the torque of gravity."""
+"""The controller's law of one step, for `engine`: lesson 03's PID and the torque of gravity."""
 
 from __future__ import annotations
 

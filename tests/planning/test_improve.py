@@ -127,8 +127,11 @@ def test_power_remembers_good_tries_and_pi2_starts_each_batch_anew():
             return bowl(x) + 10.0 * (len(batches) - 1)
 
         found[name] = method(cost, np.zeros(6), 0.3, batch=10, budget=20, rng=2)
-    best = np.argsort(found["power"].costs)[:5]
+    costs, tries = found["power"].costs, found["power"].tries
+    best = np.argsort(costs)[:5]
     assert best.max() < 10
+    remembered = power_weights(costs[best], costs[:10].std()) @ tries[best]
+    np.testing.assert_allclose(found["power"].mean, remembered)
     only = pi2_weights(found["pi2"].costs[10:]) @ found["pi2"].tries[10:]
     np.testing.assert_allclose(found["pi2"].mean, only)
 

@@ -118,6 +118,7 @@ def test_the_world_feels_a_rock_each_millisecond_and_repeats():
             after.append(np.array(pushes))
         assert (after[0] == after[1]).all()
         assert len(np.unique(after[0][:, 2])) > 20
+        assert (np.abs(after[0][:9, 2]) > 1e4).all()  # between two visits to the soil as well
 
 
 def test_a_floor_may_lie_under_some_cells_only():

@@ -200,8 +200,9 @@ class DigPractice:
 
     def plan(self, parameters: ArrayLike, step: float = 0.5) -> list[WayPoint]:
         """Way-points for `mission.run`: the dig with parameters (9,) [m, rad] in steps [s], then
-        the way to the truck and back as in `hand_made_plan`."""
-        _, positions = self.path(parameters)
+        the way to the truck and back as in `hand_made_plan`; whole millimetres and milliradians,
+        so that the last digits of a processor's sums do not reach the soil."""
+        positions = np.round(self.path(parameters)[1], 3)
         every = max(1, round(step / TICK))
         rows = positions[every::every]
         if (len(positions) - 1) % every:

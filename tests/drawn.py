@@ -10,12 +10,13 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection, QuadMesh
+from matplotlib.colors import to_rgb
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, FancyBboxPatch
@@ -146,6 +147,38 @@ def faults(fig: Figure, panels: Sequence[Panel]) -> list[str]:
     for number, (ax, panel) in enumerate(zip(axes, panels, strict=True)):
         found += [f"panel {number}: {fault}" for fault in _panel_faults(fig, ax, panel)]
     return found
+
+
+def alike(fig: Figure) -> list[str]:
+    """Curves in one pair of axes that only their colour tells apart, and what is black too often.
+
+    Curves differ in marker, dashes, width or clearly in their grey; one black look stands for one
+    truth. Clouds of dots are too small for a shape.
+    """
+    found = []
+    for number, ax in enumerate(fig.axes):
+        named = [one for one in ax.lines if one.get_visible() and one.get_label()[:1] != "_"]
+        named = [one for one in named if one.get_linestyle() != "None" or one.get_markersize() > 2]
+        for one, other in combinations(named, 2):
+            if one.get_label() == other.get_label():
+                continue
+            if _plain(one) == _plain(other) and abs(_grey(one) - _grey(other)) < 0.15:
+                found.append(f"panel {number}: {one.get_label()!r} and {other.get_label()!r}")
+        black = {one.get_label() for one in named if _grey(one) < 0.15}
+        if len(black) > 1:
+            found.append(f"panel {number}: {sorted(black)} are black")
+    return found
+
+
+def _plain(curve) -> tuple:
+    dashes = curve._unscaled_dash_pattern  # what a dash tuple became
+    line = curve.get_linestyle() != "None" and round(curve.get_linewidth())
+    return str(curve.get_marker()), str(dashes), line
+
+
+def _grey(curve) -> float:
+    shown = curve.get_color() if curve.get_linestyle() != "None" else curve.get_markerfacecolor()
+    return float(np.dot(to_rgb(shown), (0.299, 0.587, 0.114))) if shown != "none" else 1.0
 
 
 def _panel_faults(fig, ax, panel) -> Iterator[str]:
@@ -350,6 +383,12 @@ def proofs(module: object, cases: dict[str, Callable]) -> type:
             for name, case in cases.items():
                 tried, unnoticed = survivors(*case())
                 assert tried >= 3 and not unnoticed, (name, tried, unnoticed)
+
+        def test_curves_are_told_apart_without_colour(self):
+            found = [
+                f"{name}, {fault}" for name, case in cases.items() for fault in alike(case()[0])
+            ]
+            assert not found, "\n".join(found)
 
         def test_every_drawing_function_has_its_case(self):
             without = set(drawing_functions(module)) - {name.split()[0] for name in cases}

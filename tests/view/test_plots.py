@@ -40,11 +40,11 @@ def test_every_axis_with_a_scale_has_a_label_with_a_unit(draw):
     assert not labels or any("[" in label for label in labels)
 
 
-def test_figures_stay_white_and_styled_whatever_the_reader_has_set():
+def test_figures_stay_transparent_and_styled_whatever_the_reader_has_set():
     with matplotlib.rc_context({"figure.facecolor": "black", "axes.grid": False, "font.size": 30}):
         fig = plots.posture(DIG)
         assert matplotlib.rcParams["font.size"] == 30
-    assert fig.get_facecolor() == (1.0, 1.0, 1.0, 1.0)
+    assert fig.get_facecolor()[3] == fig.axes[0].get_facecolor()[3] == 0.0
     assert fig.axes[0].xaxis.label.get_size() == style.STYLE["axes.labelsize"]
 
 
@@ -62,12 +62,13 @@ def test_plane_points_are_the_forward_kinematics_for_any_swing():
 def test_bundle_carries_the_alternative_twice_and_on_one_line():
     data, metadata = style.bundle(plots.posture(DIG), "an arm\n   that digs")
     assert data["image/png"].startswith(PNG)
-    assert data["text/plain"] == metadata["image/png"]["alt"] == "an arm that digs"
+    assert data["text/plain"] == metadata["image/png"]["alt"]
+    assert data["text/plain"].startswith("an arm that digs\nDrawn: (1) distance from the swing")
 
 
 def test_show_outside_a_notebook_prints_the_alternative(capsys):
     plots.show(plots.posture(DIG), "an arm that digs")
-    assert capsys.readouterr().out == "an arm that digs\n"
+    assert capsys.readouterr().out.startswith("an arm that digs\nDrawn: ")
 
 
 @pytest.mark.parametrize("alt", ["", "  \n", None])
@@ -106,7 +107,7 @@ def test_sliders_outside_a_notebook_leave_the_first_picture_as_text(capsys):
         return plots.posture(np.radians([0, boom, stick, 0]))
 
     plots.sliders(draw, {"boom": (-50, 60, 10), "stick": (-60, 60, 0)}, "an arm")
-    assert asked == [(10, 0)] and capsys.readouterr().out == "an arm\n"
+    assert asked == [(10, 0)] and capsys.readouterr().out.startswith("an arm\n")
 
 
 def test_the_map_of_the_machine_shows_floors_of_the_library_by_their_names():

@@ -9,12 +9,24 @@ from backhoe.view.plots.interactive import sliders
 from backhoe.view.plots.panels import joint_tracking, stacked
 from backhoe.view.plots.paths import from_above, paths
 from backhoe.view.plots.standing import balance, lifting_chart, margin
-from backhoe.view.plots.style import COLOURS, KINDS, draw_lines, figure, lines, png, show, styled
+from backhoe.view.plots.style import (
+    COLOURS,
+    KINDS,
+    LOOKS,
+    draw_lines,
+    figure,
+    lines,
+    looks,
+    png,
+    show,
+    styled,
+)
 from backhoe.view.plots.way import STAGES, data_way
 
 __all__ = [
     "COLOURS",
     "KINDS",
+    "LOOKS",
     "STAGES",
     "balance",
     "data_way",
@@ -24,6 +36,7 @@ __all__ = [
     "joint_tracking",
     "lifting_chart",
     "lines",
+    "looks",
     "margin",
     "paths",
     "png",

@@ -110,7 +110,7 @@ def draw_from_above(ax: Axes, q: ArrayLike, machine: Machine = BACKHOE) -> None:
         ax.add_patch(shoe)
     nose = tracks.length / 2
     arrow = [(nose, 0.35), (nose, -0.35), (nose + 0.6, 0.0)]
-    ax.add_patch(Polygon(arrow, color=DARK))
+    ax.add_patch(Polygon(arrow, color=GREY))
     points = kinematics.link_transforms(q, machine=machine)[:, :2, 3]
     for name, start, end in zip(LINK_COLOURS, points[:-1], points[1:], strict=True):
         ax.plot(*np.array([start, end]).T, color=LINK_COLOURS[name], lw=5, alpha=0.9)

@@ -5,7 +5,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from backhoe.view.plots.style import bundle
+from backhoe.view.plots.style import QUICK, bundle
 
 
 def sliders(
@@ -53,6 +53,7 @@ def sliders(
             step=step,
             description=f"{name} [{unit}]",
             readout_format=".0f" if step >= 1 else ".2f",
+            style={"description_width": "initial"},
             layout=ipywidgets.Layout(width="95%", max_width="32em"),
         )
         for name, (lowest, highest, first) in ranges.items()
@@ -61,7 +62,7 @@ def sliders(
     def redraw(_: Any) -> None:
         values = {name: knob.value for name, knob in knobs.items()}
         text = "the figure at " + ", ".join(f"{n} = {v:g} {unit}" for n, v in values.items())
-        moved, about = bundle(draw(**values), text)
+        moved, about = bundle(draw(**values), text, QUICK)
         picture.update(moved, metadata=about, raw=True)
 
     for knob in knobs.values():

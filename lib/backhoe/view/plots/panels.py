@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from backhoe.machine import JOINTS
-from backhoe.view.plots.style import COLOURS, KINDS, draw_lines, figure, styled
+from backhoe.view.plots.style import KINDS, LOOKS, draw_lines, figure, styled
 
 
 @styled
@@ -21,8 +21,8 @@ def joint_tracking(time: ArrayLike, q: ArrayLike, q_ref: ArrayLike) -> Figure:
     fig, axes = figure(6.8, 6.4, rows=4, sharex=True)
     panels = zip(axes, JOINTS, np.degrees(q).T, np.degrees(q_ref).T, strict=True)
     for ax, name, angle, wanted in panels:
-        ax.plot(time, angle, **{**KINDS["truth"], "label": "measured"})
-        ax.plot(time, wanted, **{**KINDS["reference"], "color": COLOURS[1], "label": "wanted"})
+        ax.plot(time, angle, color=LOOKS[name][0], label="measured")
+        ax.plot(time, wanted, **KINDS["reference"], label="wanted")
         ax.set_ylabel(f"{name} [deg]")
     axes[0].legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0))
     axes[-1].set_xlabel("time [s]")

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import numbers
-from backhoe.view.plots.style import COLOURS, DARK, GREEN, KINDS, RED, figure, styled
+from backhoe.view.plots.style import GREEN, KINDS, PURPLE, RED, figure, looks, styled
 
 
 @styled
@@ -40,15 +40,16 @@ def from_above(
     fig, axes = figure(6.8, height or 6.4 / columns * rows + 0.6, rows, columns, squeeze=False)
     labels = list(dict.fromkeys(label for lines in scenes.values() for label in lines))
     coloured = [label for label in labels if label != reference and label not in (kinds or {})]
+    styles = dict(zip(coloured, looks(coloured), strict=True))
     for ax, (title, lines) in zip(axes.flat, scenes.items(), strict=False):
         for label, points in lines.items():
-            style = {"color": COLOURS[coloured.index(label) % 6]} if label in coloured else {}
             kind = "reference" if label == reference else (kinds or {}).get(label, "")
-            ax.plot(*places(points, label).T, label=label, **{**style, **KINDS.get(kind, {})})
-        for colour, (label, points) in zip(
-            (RED, DARK, GREEN) * 3, (marks or {}).items(), strict=False
+            style = styles[label] if label in styles else KINDS[kind]
+            ax.plot(*places(points, label).T, label=label, **style)
+        for mark, colour, (label, points) in zip(
+            "oXP" * 3, (RED, PURPLE, GREEN) * 3, (marks or {}).items(), strict=False
         ):
-            ax.plot(*places(points, label).T, "o", color=colour, ms=5, label=label, zorder=6)
+            ax.plot(*places(points, label).T, mark, color=colour, ms=6, label=label, zorder=6)
         ax.set(title=title, xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
         ax.margins(0.08)
     for ax in axes.flat[len(scenes) :]:
@@ -87,9 +88,11 @@ def paths(
     if lost := set(kinds) - set(drives):
         raise ValueError(f"no drive called {sorted(lost)}: there are {sorted(drives)}")
     fig, ax = figure(6.8, 5.0)
+    styles = iter(looks([label for label in drives if label not in kinds]))
     for label, poses in drives.items():
         poses = numbers(poses, f"the drive {label!r}", ("n", 3), meaning="poses x, y, heading")
-        (line,) = ax.plot(*poses[:, :2].T, label=label, **KINDS.get(kinds.get(label, ""), {}))
+        style = KINDS[kinds[label]] if label in kinds else next(styles)
+        (line,) = ax.plot(*poses[:, :2].T, label=label, **style)
         for index in np.linspace(0, len(poses) - 1, marks).astype(int):
             _arrowhead(ax, poses[index], line.get_color())
     ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal", title=title)

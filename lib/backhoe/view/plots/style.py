@@ -2,11 +2,14 @@
 
 A figure is a plain `matplotlib.figure.Figure`: no window, no pyplot, no global state, so it can be
 drawn on a machine without a screen. Colours are the Okabe-Ito palette, which colour-blind readers
-can tell apart; the background is white on light and dark pages alike. One meaning per line style:
-a reference is dashed, a truth is solid and dark, an estimate is solid and coloured with its band.
+can tell apart; the background is transparent, and words are of a grey for light and dark pages.
+One meaning per look: a reference is dashed, a truth is solid and black and nothing else is black,
+an estimate is solid and coloured with its band. What has a name in `LOOKS` has its colour and its
+marker in all figures of the course: the marker tells it where colours do not print.
 """
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from functools import wraps
 from io import BytesIO
 from typing import Any
@@ -15,13 +18,62 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import ArrayLike
 
+from backhoe.view.plots.told import told
+
 BLUE, ORANGE, GREEN, RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
-PURPLE, SKY, DARK, GREY, PALE = "#CC79A7", "#56B4E9", "#1a1a1a", "#6e6e6e", "#d9d9d9"
+PURPLE, SKY, DARK, GREY, PALE = "#CC79A7", "#56B4E9", "#1a1a1a", "#707070", "#d9d9d9"
+BROWN = "#8b5a2b"
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
-LINK_COLOURS = {"boom": ORANGE, "stick": BLUE, "bucket": RED}
+MARKERS = "os^DvP"
 GROUND, STEEL = "#b08d66", "#8a8f94"
+SHARP, QUICK = 200, 120
+"""Dots per inch of a figure in a notebook, and of one that moves with a slider."""
+
+GRAMMAR = {
+    "joints": {
+        "swing": (PURPLE, "s"),
+        "boom": (ORANGE, "o"),
+        "stick": (BLUE, "^"),
+        "bucket": (RED, "D"),
+    },
+    "controllers of a joint": {
+        "pid": (BLUE, "o"),
+        "pid+gravity": (ORANGE, "s"),
+        "computed_torque": (GREEN, "^"),
+    },
+    "controllers of a path": {
+        "P": (SKY, "v"),
+        "PI": (BLUE, "o"),
+        "Scaglia v1": (ORANGE, "s"),
+        "Scaglia v2": (GREEN, "^"),
+        "Scaglia v3": (RED, "D"),
+        "pure pursuit": (PURPLE, "P"),
+        "mine": (BROWN, "*"),
+    },
+    "rules of odometry": {
+        "Euler": (ORANGE, "v"),
+        "midpoint": (GREEN, "s"),
+        "Runge-Kutta": (PURPLE, "^"),
+        "exact arc": (BLUE, "o"),
+    },
+    "filters": {
+        "odometry": (ORANGE, "v"),
+        "EKF": (BLUE, "o"),
+        "UKF": (GREEN, "s"),
+        "particles": (PURPLE, "^"),
+        "smoother": (SKY, "D"),
+    },
+}
+"""Kind of thing -> name -> colour and marker: two of a kind are drawn beside each other."""
+
+LOOKS = {name: look for group in GRAMMAR.values() for name, look in group.items()}
+"""Name -> its colour and its marker, in all figures of the course."""
+
+LINK_COLOURS = {name: LOOKS[name][0] for name in ("boom", "stick", "bucket")}
 
 KINDS: dict[str, dict[str, Any]] = {
     "reference": {"color": GREY, "linestyle": "--", "linewidth": 1.8},
@@ -39,13 +91,20 @@ STYLE = {
     "axes.spines.right": False,
     "axes.spines.top": False,
     "axes.titlesize": 11,
+    "axes.facecolor": "none",
+    "axes.labelcolor": GREY,
+    "axes.titlecolor": GREY,
     "font.size": 11,
-    "grid.color": "#e6e6e6",
+    "grid.alpha": 0.25,
+    "grid.color": "#808080",
     "legend.fontsize": 10,
     "legend.frameon": False,
     "lines.linewidth": 1.8,
     "lines.solid_capstyle": "round",
+    "text.color": GREY,
+    "xtick.color": GREY,
     "xtick.labelsize": 10,
+    "ytick.color": GREY,
     "ytick.labelsize": 10,
 }
 
@@ -71,28 +130,37 @@ def figure(
 
     Call it inside a function decorated with `styled`, or text added later looks different.
     """
-    fig = Figure(figsize=(width, height), dpi=120, layout="constrained", facecolor="white")
+    fig = Figure(figsize=(width, height), dpi=QUICK, layout="constrained", facecolor="none")
     return fig, fig.subplots(rows, columns, **subplots)
 
 
 @styled
-def png(fig: Figure) -> bytes:
-    """The figure as a PNG file's bytes, the same bytes for the same figure."""
+def png(fig: Figure, dpi: float = SHARP) -> bytes:
+    """The figure as a PNG file's bytes, the same bytes for the same figure.
+
+    What is black gets a white edge, so that it can be seen on a dark page.
+    """
+    for curve in fig.findobj(lambda one: isinstance(one, Line2D) and one.get_color() == DARK):
+        edge = Stroke(linewidth=curve.get_linewidth() + 1.6, foreground="white")
+        curve.set_path_effects([edge, Normal()])
     file = BytesIO()
-    fig.savefig(file, format="png", metadata={"Software": None})
+    fig.savefig(file, format="png", dpi=dpi, metadata={"Software": None})
     return file.getvalue()
 
 
-def bundle(fig: Figure, alt: str) -> tuple[dict[str, Any], dict[str, Any]]:
+def bundle(fig: Figure, alt: str, dpi: float = SHARP) -> tuple[dict[str, Any], dict[str, Any]]:
     """What a notebook stores of the figure: its data and metadata, with `alt` in both.
+
+    Behind `alt`, which says what the figure means, comes what is drawn, as `told` reads it.
 
     Raises:
         ValueError: `alt` is empty, so a reader without the picture would have nothing.
     """
     if not isinstance(alt, str) or not alt.strip():
         raise ValueError("a figure needs a text alternative: say in `alt` what it shows")
-    text = " ".join(alt.split())
-    return {"image/png": png(fig), "text/plain": text}, {"image/png": {"alt": text}}
+    text = f"{' '.join(alt.split())}\n{told(fig)}".strip()
+    about = {"alt": text, "width": round(fig.get_figwidth() * QUICK)}
+    return {"image/png": png(fig, dpi), "text/plain": text}, {"image/png": about}
 
 
 def show(fig: Figure, alt: str) -> None:
@@ -156,6 +224,38 @@ def draw_lines(
     if unknown := set(kinds.values()) - set(KINDS):
         raise ValueError(f"unknown kind {sorted(unknown)}: the kinds are {', '.join(KINDS)}")
     x = np.asarray(x, dtype=float)
+    own = iter(looks([label for label in series if label not in kinds]))
     for label, values in series.items():
         y = np.asarray(values, dtype=float)
-        ax.plot(x[: len(y)], y, label=label, **KINDS.get(kinds.get(label, ""), {}))
+        style = KINDS[kinds[label]] if label in kinds else next(own)
+        ax.plot(x[: len(y)], y, label=label, **style)
+
+
+def looks(labels: Sequence[str]) -> list[dict[str, Any]]:
+    """How curves with these labels are drawn, so that all differ with and without colour.
+
+    A label that is a name in `LOOKS`, or begins with one, looks as that name does everywhere;
+    others take the colours that are left. One curve alone has no marker.
+
+    Returns:
+        Keywords for `Axes.plot`, in the order of the labels.
+    """
+    known = [_look(label) for label in labels]
+    pairs = [*zip(COLOURS, MARKERS, strict=True), (BROWN, "*"), (GREY, "X")]
+    free = [pair for pair in pairs if not any(pair[0] == one[0] for one in known if one)] or pairs
+    styles, taken = [], []
+    for place, (label, one) in enumerate(zip(labels, known, strict=True)):
+        if one is None:
+            one = free[sum(look is None for look in known[:place]) % len(free)]
+        dashes = ("-", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))[taken.count(one) % 4]
+        taken.append(one)
+        style = {"color": one[0], "linestyle": dashes}
+        if len(labels) > 1 and not label.startswith("_"):
+            style |= {"marker": one[1], "markersize": 5, "markevery": (0.04 * (place % 4), 0.16)}
+        styles.append(style)
+    return styles
+
+
+def _look(label: str) -> tuple[str, str] | None:
+    names = [name for name in LOOKS if re.match(rf"{re.escape(name)}(?![\w+])", label)]
+    return LOOKS[max(names, key=len)] if names else None

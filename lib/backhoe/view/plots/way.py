@@ -69,7 +69,7 @@ def data_way(lit: str | Collection[str] = ()) -> Figure:
         )
         ax.add_patch(box)
         weight = "bold" if on else "normal"
-        ax.text(x, y + 0.11, idea, ha="center", va="center", size=10, weight=weight)
+        ax.text(x, y + 0.11, idea, ha="center", va="center", size=10, color=DARK, weight=weight)
         ax.text(x, y - 0.14, name.replace("_", " "), ha="center", va="center", size=9, color=DARK)
     ax.set(xlim=(-0.47, 3.47), ylim=(-0.55, 1.36))
     ax.axis("off")

@@ -29,6 +29,9 @@ from backhoe.view.plots.style import (
 
 __all__ = ["two_joints", "yard"]
 
+START = {"marker": "o", "linestyle": "", "color": GREEN, "ms": 6, "zorder": 4}
+GOAL = {"marker": "X", "linestyle": "", "color": RED, "ms": 7, "zorder": 4}
+
 
 @styled
 def yard(
@@ -77,8 +80,8 @@ def yard(
             way = numbers(way, label, ("n", 2), meaning="places x, y [m]")
             ax.plot(*way.T, label=label, **look, zorder=3)
         first = next(iter(ways.values()))
-        for place, colour, label in ((first[0], GREEN, "start"), (first[-1], RED, "goal")):
-            ax.plot(*place, "o", color=colour, ms=6, label=label, zorder=4)
+        for place, look, label in ((first[0], START, "start"), (first[-1], GOAL, "goal")):
+            ax.plot(*place, **look, label=label)
         ax.set(title=title, xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
         ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     for ax in axes.flat[len(panels) :]:
@@ -119,8 +122,8 @@ def two_joints(
     for (label, way), colour in zip(ways.items(), COLOURS, strict=False):
         way = np.degrees(numbers(way, label, ("k", 2), meaning="boom, stick [rad]"))
         chart.plot(*way.T, color=colour, label=label)
-    chart.plot(*way[0], "o", color=GREEN, ms=6, label="start")
-    chart.plot(*way[-1], "o", color=RED, ms=6, label="goal")
+    chart.plot(*way[0], **START, label="start")
+    chart.plot(*way[-1], **GOAL, label="goal")
     chart.set(xlabel="boom [deg]", ylabel="stick [deg]", title="brown: hits something")
     chart.grid(False)
     for low, high in numbers(boxes, "boxes", ("b", 2, 2), meaning="corners r, z [m]"):

@@ -112,9 +112,7 @@ def boards(counts: ArrayLike, errors: ArrayLike, said: ArrayLike) -> Figure:
     said = numbers(said, "said", (len(counts),), meaning="standard deviations [pixels]")
     fig, ax = figure(6.8, 3.8)
     each = np.repeat(counts, errors.shape[1])
-    ax.plot(
-        each, np.abs(errors).ravel(), "o", color=GREY, ms=3.5, alpha=0.6, label="one calibration"
-    )
+    ax.plot(each, np.abs(errors).ravel(), "x", color=GREY, ms=4, alpha=0.6, label="one calibration")
     happened = np.sqrt((errors**2).mean(axis=1))
     ax.plot(counts, happened, "o-", color=BLUE, label="root mean square of these")
     ax.plot(counts, said, "s--", color=ORANGE, label="deviation that they give themselves")

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from backhoe.basics.inputs import numbers
-from backhoe.view.plots.style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, figure, styled
+from backhoe.view.plots.style import BLUE, DARK, GREEN, GREY, ORANGE, PURPLE, RED, figure, styled
 
 __all__ = ["COLOURS", "dots"]
 
@@ -63,7 +63,7 @@ def dots(
                 x, y, ".", ms=size, mew=0, color=COLOURS.get(label, GREEN), label=label
             )
         if truth is not None:
-            ax.plot(*numbers(truth, "truth", ("n", 2)).T, color="k", lw=1.2, label="truth")
+            ax.plot(*numbers(truth, "truth", ("n", 2)).T, color=DARK, lw=1.2, label="truth")
             labels["truth"] = ax.lines[-1]
         ax.set(xlabel=xlabel, title=title, aspect="equal", **limits)
     axes[0, 0].set_ylabel(ylabel)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import number, numbers, positive, whole
 from backhoe.perception.octree.log_odds import L_MAX, L_MIN
-from backhoe.view.plots.style import BLUE, DARK, GREY, PALE, RED, figure, styled
+from backhoe.view.plots.style import BLUE, DARK, GREY, ORANGE, PALE, RED, figure, styled
 
 __all__ = ["cubes", "projected", "slices"]
 
@@ -63,7 +63,7 @@ def slices(
         if truth is not None:
             ax.plot(*numbers(truth, "truth", ("n", 2)).T, color=DARK, lw=1.6, label="true surface")
         if sensor is not None:
-            ax.plot(*numbers(sensor, "sensor", (2,)), "v", color=DARK, ms=8, label="laser")
+            ax.plot(*numbers(sensor, "sensor", (2,)), "v", color=ORANGE, ms=8, label="laser")
         ax.set(aspect=stretch, ylabel=ylabel, xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         ax.set_title(title, loc="left", fontsize=10)
     axes[-1, 0].set_xlabel(xlabel)

@@ -1,0 +1,59 @@
+"""What a figure shows, in words that a program writes: for readers and for tests."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+MOST = 8
+"""Curves of a panel that are told one by one."""
+
+
+def told(fig: Figure) -> str:
+    """One sentence on what is drawn: axes with their units and ranges, and each curve's range.
+
+    Numbers have two digits, so that the last digits of a processor do not matter. An empty figure
+    gives an empty text.
+    """
+    panels = [ax for ax in fig.axes if ax.get_label() != "<colorbar>"]
+    texts = [text for ax in panels if (text := "; ".join(_panel(ax)))]
+    if len(texts) > 1:
+        texts = [f"({number}) {text}" for number, text in enumerate(texts, start=1)]
+    return f"Drawn: {' '.join(texts)}." if texts else ""
+
+
+def _panel(ax: Axes) -> Iterator[str]:
+    if ax.axison:
+        sides = ((ax.get_xlabel(), ax.get_xlim()), (ax.get_ylabel(), ax.get_ylim()))
+        yield ", ".join(f"{name or 'no name'} {_span(limits)}" for name, limits in sides)
+    curves = [line for line in ax.lines if line.get_visible() and len(line.get_xdata())]
+    named = [line for line in curves if not line.get_label().startswith("_")]
+    for line in named[:MOST]:
+        yield f"{line.get_label()} {_span(line.get_ydata())}"
+    others = {
+        "other line": len(curves) - len(named[:MOST]),
+        "shape": len(ax.patches),
+        "group": len(ax.collections),
+        "picture": len(ax.images),
+        "text": len(ax.texts),
+    }
+    counts = [f"{count} {name}{'s' * (count > 1)}" for name, count in others.items() if count]
+    if counts:
+        yield ", ".join(counts)
+
+
+def _span(values: object) -> str:
+    numbers = np.asarray(values, dtype=float)
+    numbers = numbers[np.isfinite(numbers)]
+    if not numbers.size:
+        return "empty"
+    low, high = numbers.min(), numbers.max()
+    small = 1e-6 * max(abs(low), abs(high))
+    low, high = (_two_digits(0.0 if abs(end) <= small else end) for end in (low, high))
+    return low if low == high else f"{low} to {high}"
+
+
+def _two_digits(value: float) -> str:
+    """Rounded by way of six digits: 0.0449999999 and 0.045 are the same number twice."""
+    return f"{float(f'{value:.6g}'):.2g}"

@@ -178,6 +178,49 @@ def test_a_way_point_that_cannot_be_is_named(time, target, message):
         mission.run(plan=plan, cycles=1)
 
 
+def in_degrees(target):
+    return np.degrees(kinematics.inverse_kinematics(target))
+
+
+def a_turn_too_far(target):
+    q = kinematics.inverse_kinematics(target)
+    return q - [2 * np.pi, 0, 0, 0]
+
+
+def elbow_down(target):
+    return kinematics.inverse_kinematics(target, elbow="down")
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        (
+            {"inverse_kinematics": in_degrees},
+            "^at way-point 'turn to the heap' the swing would be at -90.00 rad, its limits are "
+            "-3.14 and 3.14 rad: are these degrees",
+        ),
+        ({"inverse_kinematics": a_turn_too_far}, "the swing .* back by a whole turn"),
+        ({"inverse_kinematics": elbow_down}, "the stick would be at .* rad, .* another posture"),
+        (
+            {"trajectory": lambda *at: np.degrees(mission.smooth_trajectory(*at))},
+            "^your trajectory: at 0.00 s the swing would be at -.* degrees",
+        ),
+        (
+            {
+                "trajectory": lambda *at: (
+                    mission.smooth_trajectory(*at)[0],
+                    np.degrees(mission.smooth_trajectory(*at)[1]),
+                )
+            },
+            "^your trajectory's speeds are not those of its angles: are these degrees",
+        ),
+    ],
+)
+def test_advice_on_angles_comes_before_advice_on_time(parts, message):
+    with pytest.raises(ValueError, match=message):
+        mission.run(cycles=1, backend="analytic", **parts)
+
+
 def test_an_error_inside_a_part_keeps_its_type_and_names_the_part():
     def divides(q):
         return q / [1, 2, 3][7]

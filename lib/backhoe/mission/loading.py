@@ -21,6 +21,10 @@ from backhoe.simulation.soil import SoilParameters, soil_of
 from backhoe.simulation.standing import lesser
 
 LOG_EVERY = 10
+LIMIT_ROUNDING = 1e-9
+"""What a joint may pass its limit by [rad]."""
+
+_DEGREES = "are these degrees? Angles are in radians, np.radians(angles)"
 
 _WANTED_PLAN = f"your plan must return a list of WayPoint. It is {PARTS['plan'].call}"
 
@@ -83,11 +87,42 @@ def _postures(waypoints: Sequence[WayPoint], inverse: Callable) -> list[NDArray]
     return postures
 
 
+def _within_limits(q: NDArray, where: Callable[[int], str], machine: Machine) -> None:
+    """Stop at the first of the postures (n, 4) that a joint cannot take; `where` says which it is.
+
+    What is far outside is likely in degrees.
+    """
+    excess = np.maximum(machine.lower - q, q - machine.upper)
+    if excess.max() <= LIMIT_ROUNDING:
+        return
+    first = int(np.argmax(excess.max(axis=1) > LIMIT_ROUNDING))
+    joint = int(excess[first].argmax())
+    low, high = machine.lower[joint], machine.upper[joint]
+    if np.abs(q).max() > 3 * np.pi:
+        advice = _DEGREES
+    elif joint == 0:
+        advice = "bring it back by a whole turn, 2 pi"
+    else:
+        advice = "choose another posture, or another way-point"
+    raise ValueError(
+        f"{where(first)} the {JOINTS[joint]} would be at {q[first, joint]:.2f} rad, its limits are "
+        f"{low:.2f} and {high:.2f} rad: {advice}"
+    )
+
+
 def _within_speed(
-    waypoints: Sequence[WayPoint], times: NDArray, t: NDArray, dq: NDArray, machine: Machine
+    waypoints: Sequence[WayPoint],
+    times: NDArray,
+    t: NDArray,
+    q: NDArray,
+    dq: NDArray,
+    machine: Machine,
 ) -> None:
     excess = np.abs(dq) / machine.speed_limit
     if excess.max() > 1.0:
+        shares = np.abs(np.gradient(q, t, axis=0)) / machine.speed_limit
+        if shares.max() < excess.max() / 10:
+            raise ValueError(f"your trajectory's speeds are not those of its angles: {_DEGREES}")
         sample, joint = np.unravel_index(excess.argmax(), excess.shape)
         late = waypoints[min(np.searchsorted(times, t[sample]), len(times) - 1) - 1]
         needed = ceil(10 * late.time * excess.max()) / 10
@@ -166,8 +201,10 @@ def _load(world: simulation.World, cycles: int, given: dict[str, Callable], reco
     times = np.cumsum([0.0, *(waypoint.time for waypoint in waypoints)])
     t = np.arange(round(times[-1] / dt) + 1) * dt
     trajectory = given.get("trajectory", smooth_trajectory)
+    _within_limits(q_way[1:], lambda at: f"at way-point {waypoints[at].name!r}", machine)
     q_ref, dq_ref = call_part("trajectory", trajectory, times, q_way, t, shape=(2, len(t), 4))
-    _within_speed(waypoints, times, t, dq_ref, machine)
+    _within_limits(q_ref, lambda at: f"your trajectory: at {t[at]:.2f} s", machine)
+    _within_speed(waypoints, times, t, q_ref, dq_ref, machine)
 
     recorder = recorder_of(world) if record else None
     departures = {round(time / dt): index for index, time in enumerate(times[:-1])}

@@ -176,11 +176,15 @@ CUTTING = ("cut in", "pull", "curl")
 OVER_TRUCK = (0.4, 5.7, 3.9)
 
 
-def hand_made_plan(cycle: int) -> list[WayPoint]:
+def hand_made_plan(
+    cycle: int, over_truck: tuple[float, float, float] = OVER_TRUCK
+) -> list[WayPoint]:
     """Way-points of one dig-and-load cycle, found by hand for the scene `simulation.LOADING`.
 
     Args:
         cycle: 0, 1, 2, ...; three strips of the heap take turns.
+        over_truck: where the stick's tip is above the truck, x, y, z [m]; the scene's own by
+            default.
 
     Returns:
         The way-points, from above the heap to the empty bucket over the truck.
@@ -193,7 +197,7 @@ def hand_made_plan(cycle: int) -> list[WayPoint]:
         z = height - lower if name in CUTTING else height
         waypoints.append(WayPoint(name, seconds, (x, y, z, radians(bucket))))
     for name, seconds, bucket in TIPPING:
-        waypoints.append(WayPoint(name, seconds, (*OVER_TRUCK, radians(bucket))))
+        waypoints.append(WayPoint(name, seconds, (*over_truck, radians(bucket))))
     return waypoints
 
 

@@ -196,8 +196,8 @@ def elbow_down(target):
     [
         (
             {"inverse_kinematics": in_degrees},
-            "^at way-point 'turn to the heap' the swing would be at -90.00 rad, its limits are "
-            "-3.14 and 3.14 rad: are these degrees",
+            "^at way-point 'turn to the heap' the swing would be at -90.000 rad, its limits are "
+            "-3.142 and 3.142 rad: are these degrees",
         ),
         ({"inverse_kinematics": a_turn_too_far}, "the swing .* back by a whole turn"),
         ({"inverse_kinematics": elbow_down}, "the stick would be at .* rad, .* another posture"),

@@ -15,6 +15,7 @@ from drawn import (
     Panel,
     arrow,
     box,
+    ellipse,
     level,
     line,
     part,
@@ -177,6 +178,37 @@ def drawn_lines():
     return fig, panels
 
 
+def three_angles():
+    """The stick's line and its centre of mass are where the forward kinematics put them."""
+    _, elbow, pin, _ = at = in_plane(joints(Q))
+    mass = in_plane(kinematics.forward_kinematics(Q, "stick_com")[None, :3, 3])[0]
+    way = {"before": elbow - at[0], "star": pin - elbow, "mass": mass - elbow}
+    slope = {name: np.arctan2(line[1], line[0]) for name, line in way.items()}
+    slope["zero"] = slope["star"] - Q[2]
+
+    def ray(name, length, label):
+        end = elbow + length * np.array([np.cos(slope[name]), np.sin(slope[name])])
+        return track([elbow, end], label)
+
+    items = part(lambda ax: drawing.draw_arm(ax, Q))
+    limits = (elbow[0] - 3.4, elbow[0] + 3.4, elbow[1] - 2.9, elbow[1] + 2.3)
+    items += part(lambda ax: drawing.side_axes(ax, limits))
+    items += [
+        ray("before", 3.0, "line before"), ray("zero", 2.6, "$q_3=0$"),
+        ray("star", 2.6, "to the next joint"),
+        track([elbow, mass]), track([mass], "centre of mass"),
+    ]  # fmt: skip
+    for start, end, size, name in (
+        ("before", "star", 1.9, "$q_3^*$"), ("zero", "star", 1.35, "$q_3$"),
+        ("before", "mass", 0.8, "$q_3^{cm}$"),
+    ):  # fmt: skip
+        low, high = np.sort((slope[start], slope[end]))
+        items.append(ellipse(elbow, 2 * size, 2 * size, 0, *np.degrees((low, high))))
+        middle, away = (low + high) / 2, size + 0.22
+        items.append(words(name, elbow + away * np.array([np.cos(middle), np.sin(middle)])))
+    return plots.joint_angles(Q), [Panel(REACH, HEIGHT, items, clipped=True)]
+
+
 TestPlots = proofs(
     plots,
     {
@@ -184,6 +216,7 @@ TestPlots = proofs(
         "data_way": mapped,
         "draw_lines": drawn_lines,
         "from_above": scenes,
+        "joint_angles": three_angles,
         "joint_tracking": tracking,
         "lifting_chart": chart,
         "lines": curves,

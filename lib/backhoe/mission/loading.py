@@ -105,8 +105,8 @@ def _within_limits(q: NDArray, where: Callable[[int], str], machine: Machine) ->
     else:
         advice = "choose another posture, or another way-point"
     raise ValueError(
-        f"{where(first)} the {JOINTS[joint]} would be at {q[first, joint]:.2f} rad, its limits are "
-        f"{low:.2f} and {high:.2f} rad: {advice}"
+        f"{where(first)} the {JOINTS[joint]} would be at {q[first, joint]:.3f} rad, its limits are "
+        f"{low:.3f} and {high:.3f} rad: {advice}"
     )
 
 

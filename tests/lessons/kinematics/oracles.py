@@ -1,6 +1,7 @@
 """What proves the answers of lesson 01's exercises."""
 
 import numpy as np
+from scipy.optimize import minimize
 
 from backhoe.arm import kinematics
 from backhoe.machine import BACKHOE
@@ -29,22 +30,27 @@ def tip_in_the_plane_of_the_arm(answer, q):
     assert abs(pitch - q[1:].sum() - sum(link.angle_offset for link in BACKHOE.links)) < 0.1
 
 
-def hanging_from_the_lowest_boom(answer, machine):
-    """Stick and bucket hang straight down from the boom at its lower limit, in closed form."""
-    boom, stick, bucket = machine.links
-    lowest = machine.lower[1] + boom.angle_offset
-    hanging = np.array([-np.pi / 2 - lowest - stick.angle_offset, -bucket.angle_offset])
-    assert (machine.lower[2:] <= hanging).all() and (hanging <= machine.upper[2:]).all()
-    hinge = machine.base.height + machine.swing.height
-    deepest = stick.length + bucket.length - hinge - boom.length * np.sin(lowest)
-    assert 0 <= deepest - answer < 0.005
+def lowest_of_all_within_the_limits(answer, machine):
+    """SciPy finds the lowest teeth within the box of the limits, from many starts."""
+
+    def height(q):
+        pitch = np.cumsum(q + [link.angle_offset for link in machine.links])
+        rise = np.sin(pitch) @ [link.length for link in machine.links]
+        return machine.base.height + machine.swing.height + rise
+
+    box = list(zip(machine.lower[1:], machine.upper[1:], strict=True))
+    starts = np.stack(np.meshgrid(*box), -1).reshape(-1, 3)
+    deepest = -min(minimize(height, 0.9 * start, bounds=box).fun for start in starts)
+    assert -1e-6 <= deepest - answer < 0.012
 
 
-def spin_of_the_turning_bucket(answer, q):
-    """dR/dq_i R^T of the bucket's frame, by differences, is the cross product with column i."""
+def spin_of_the_turning_link(answer, q, link):
+    """dR/dq_i R^T of the link's frame, by differences, is the cross product with column i."""
     turned = STEP * np.eye(4)
-    change = kinematics.forward_kinematics(q + turned) - kinematics.forward_kinematics(q - turned)
-    spins = change[:, :3, :3] / (2 * STEP) @ kinematics.forward_kinematics(q)[:3, :3].T
+    ahead, behind, here = (
+        kinematics.link_transforms(at)[..., link - 1, :3, :3] for at in (q + turned, q - turned, q)
+    )
+    spins = (ahead - behind) / (2 * STEP) @ here.T
     np.testing.assert_allclose(spins, np.cross(np.eye(3), answer.T[:, None]), atol=1e-9)
 
 
@@ -67,6 +73,18 @@ def gradient_of_damped_least_squares_is_zero(answer, J, damping):
     """At dq = answer e the gradient of |J dq - e|^2 + damping^2 |dq|^2 is zero, for every e."""
     gradient = J.T @ (J @ answer - np.eye(len(J))) + damping**2 * answer
     np.testing.assert_allclose(gradient, np.zeros(J.T.shape), atol=1e-10)
+
+
+def there_within_the_limits_or_out_of_reach(answer, target):
+    """The teeth's pin is there; where it gives up, the triangle of boom, stick and d is none."""
+    if isinstance(answer, ValueError):
+        place = target[:3] - (BACKHOE.base.offset, 0, BACKHOE.base.height + BACKHOE.swing.height)
+        d = np.hypot(np.hypot(*place[:2]) - BACKHOE.swing.offset, place[2])
+        boom, stick = BACKHOE.boom.length, BACKHOE.stick.length
+        assert not boom - stick < d < boom + stick
+    else:
+        np.testing.assert_allclose(kinematics.pose(answer), target, atol=2e-6)
+        assert (BACKHOE.lower <= answer).all() and (answer <= BACKHOE.upper).all()
 
 
 def belts_that_do_not_slip(answer, heading):

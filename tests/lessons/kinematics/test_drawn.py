@@ -3,7 +3,7 @@
 import numpy as np
 
 from backhoe.arm import kinematics
-from backhoe.lessons.kinematics import figures
+from backhoe.lessons.kinematics.figures import frames, inverse, steps
 from backhoe.machine import BACKHOE
 from backhoe.view.plots.drawing import draw_arm, draw_from_above, side_axes
 from drawn import (
@@ -40,8 +40,7 @@ def scene(limits, q=None):
 
 
 def two_arms():
-    fig = figures.arm(Q, LOW, labels=("dig", "low"), title="two")
-    assert fig.get_suptitle() == "two"
+    fig = frames.arm(Q, LOW, labels=("dig", "low"))
     return fig, [
         Panel(REACH, HEIGHT, scene(ARM, Q), "dig"),
         Panel(REACH, "", scene(ARM, LOW), "low"),
@@ -52,11 +51,11 @@ def framed():
     limits = (-2.6, 8.2, -1.6, 5.6)
     items = scene(limits, Q)
     places = np.vstack(((-SHIFT, 0.0), points(Q)))
-    frames = [np.eye(4)] + [
+    poses = [np.eye(4)] + [
         kinematics.forward_kinematics(Q, f) for f in ("swing", "boom", "stick", "tip")
     ]
     outwards = np.array([np.cos(Q[0] + np.pi / 2), np.sin(Q[0] + np.pi / 2), 0.0])
-    for number, (place, T) in enumerate(zip(places, frames, strict=True)):
+    for number, (place, T) in enumerate(zip(places, poses, strict=True)):
         axes = {"x": T[:3, 0], "z" if number == 0 else "y": T[:3, 2 if number == 0 else 1]}
         for letter, axis in axes.items():
             if number == 0:
@@ -65,7 +64,7 @@ def framed():
                 way = np.array([axis @ outwards, axis[2]])
             items.append(arrow(place, place + 0.95 * way))
             items.append(words(letter, place + 1.2 * 0.95 * way))
-    fig = figures.frames(Q)
+    fig = frames.frames(Q)
     names = ["base 0", "swing 1", "boom 2", "stick 3", "tip 4"]
     shown = {text.get_text(): text.get_position() for text in fig.axes[0].texts}
     for name, place in zip(names, places, strict=True):
@@ -81,7 +80,7 @@ def two_elbows():
     start, elbow, pin, _ = points(Q)
     low = points(other)
     assert np.linalg.norm(low[2] - pin) < 1e-9 and low[1, 1] < elbow[1]
-    fig = figures.elbows(target)
+    fig = inverse.elbows(target)
     rise, boom = (np.degrees(np.arctan2(*(p - start)[::-1])) for p in (pin, elbow))
     items = [
         *scene(limits, Q),
@@ -104,20 +103,20 @@ def two_elbows():
 
 def reach():
     """The edges of the areas are half-way between the cells that can be entered and the others."""
-    fig = figures.workspace(Q)
+    fig = frames.workspace(Q)
     side = fig.axes[0]
     items = scene((*side.get_xlim(), *side.get_ylim()), Q)
     for point in (3, 2):
-        entered = figures.reachable(BACKHOE, point)
+        entered = frames.reachable(BACKHOE, point)
 
         def near(x, z, entered=entered):
             at = np.column_stack((x, z))
             gaps = [np.abs(entered - one).max(axis=1).min() for one in at[:: max(1, len(at) // 80)]]
-            return np.abs(np.array(gaps) - figures.CELL / 2) / figures.CELL
+            return np.abs(np.array(gaps) - frames.CELL / 2) / frames.CELL
 
         items += [field(near, 0.51), field(near, 0.51)]
     items += part(lambda ax: ax.fill([], [])) * 2
-    level_ground = figures.reachable()[np.abs(figures.reachable()[:, 1]) < figures.CELL / 2][:, 0]
+    level_ground = frames.reachable()[np.abs(frames.reachable()[:, 1]) < frames.CELL / 2][:, 0]
     turn = np.linspace(0, 2 * np.pi, 200)
     rings = [
         np.c_[SHIFT + r * np.cos(turn), r * np.sin(turn)]
@@ -138,7 +137,7 @@ def reach():
 def ellipses():
     """The axes of each ellipse are the pin's fastest and slowest velocities, found by trying."""
     postures = [Q, LOW]
-    fig = figures.velocity_ellipses(postures)
+    fig = inverse.velocity_ellipses(postures)
     items = scene((-2.6, 9.0, -3.4, 6.4))
     for q in postures:
         start, elbow, pin, _ = points(q)
@@ -204,7 +203,7 @@ def singular():
         words("arm stretched", (-172, straight + 5)), words("arm folded", (-172, straight - 175)),
         words("pin over\nthe axis", (122, -40)),
     ]  # fmt: skip
-    return figures.singularities(), [Panel("boom $q_2$ [deg]", "stick $q_3$ [deg]", items)]
+    return inverse.singularities(), [Panel("boom $q_2$ [deg]", "stick $q_3$ [deg]", items)]
 
 
 def turned():
@@ -222,19 +221,12 @@ def turned():
             corners = half * [(1, 1), (-1, 1), (-1, -1), (1, -1)]
             items.append(shape(corners @ R.T + (x, y) + sign * side))
         items.append(shape(np.array([(0.2, 0.16), (0.2, -0.16), (1.1, 0)]) @ R.T + (x, y)))
-    fig = figures.turn(poses, centre, title="there")
+    fig = steps.turn(poses, centre, title="there")
     return fig, [Panel("$x$ [m]", "$y$ [m]", items, "there")]
 
 
-TestDrawn = proofs(
-    figures,
-    {
-        "arm": two_arms,
-        "elbows": two_elbows,
-        "frames": framed,
-        "singularities": singular,
-        "turn": turned,
-        "velocity_ellipses": ellipses,
-        "workspace": reach,
-    },
+TestFrames = proofs(frames, {"arm": two_arms, "frames": framed, "workspace": reach})
+TestInverse = proofs(
+    inverse, {"elbows": two_elbows, "singularities": singular, "velocity_ellipses": ellipses}
 )
+TestSteps = proofs(steps, {"turn": turned})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from backhoe.arm import kinematics
-from backhoe.lessons.kinematics import figures
+from backhoe.lessons.kinematics.figures import frames, inverse, steps
 from backhoe.machine import BACKHOE, replace
 from backhoe.view import plots
 from backhoe.view.plots import drawing
@@ -14,14 +14,14 @@ DIG = np.radians([-90.0, 15.0, -10.0, 40.0])
 
 @pytest.fixture(
     params=[
-        lambda: figures.arm(DIG),
-        lambda: figures.arm(DIG, np.zeros(4), labels=("dig", "zero"), title="two"),
-        lambda: figures.frames(DIG),
-        lambda: figures.elbows(kinematics.pose(DIG)),
-        lambda: figures.workspace(DIG),
-        lambda: figures.velocity_ellipses([DIG]),
-        lambda: figures.singularities(),
-        lambda: figures.turn([[0, 0, 0], [1, 0.2, 0.4]], centre=(0, 3)),
+        lambda: frames.arm(DIG),
+        lambda: frames.arm(DIG, np.zeros(4), labels=("dig", "zero")),
+        lambda: frames.frames(DIG),
+        lambda: inverse.elbows(kinematics.pose(DIG)),
+        lambda: frames.workspace(DIG),
+        lambda: inverse.velocity_ellipses([DIG]),
+        lambda: inverse.singularities(),
+        lambda: steps.turn([[0, 0, 0], [1, 0.2, 0.4]], centre=(0, 3)),
     ],
     ids="arm arms frames elbows workspace ellipses singularities turn".split(),
 )
@@ -45,27 +45,27 @@ def test_every_axis_with_a_scale_has_a_label_with_a_unit(draw):
 def test_reachable_cells_hold_random_postures_and_follow_the_machine():
     rng = np.random.default_rng(2)
     q = rng.uniform(BACKHOE.lower, BACKHOE.upper, (400, 4))
-    cells = figures.reachable()
+    cells = frames.reachable()
     points = drawing.plane_points(q)[:, 3]
     nearest = np.min(np.linalg.norm(points[:, None] - cells, axis=-1), axis=1)
     assert nearest.max() < 0.15
     longer = replace(BACKHOE, stick=replace(BACKHOE.stick, length=3.0))
-    assert figures.reachable(longer)[:, 0].max() > cells[:, 0].max() + 0.8
+    assert frames.reachable(longer)[:, 0].max() > cells[:, 0].max() + 0.8
 
 
 def test_sizes_follow_the_machine():
     longer = replace(BACKHOE, boom=replace(BACKHOE.boom, length=6.0))
-    assert plots.png(figures.arm(DIG)) != plots.png(figures.arm(DIG, machine=longer))
+    assert plots.png(frames.arm(DIG)) != plots.png(frames.arm(DIG, machine=longer))
 
 
 @pytest.mark.parametrize(
     "call, match",
     [
-        (lambda: figures.arm(), "at least one posture"),
-        (lambda: figures.arm(DIG, labels=("a", "b")), "2 labels for 1 postures"),
-        (lambda: figures.arm([0, 0, 0]), "4 joints"),
-        (lambda: figures.turn([0, 0, 0]), "shape"),
-        (lambda: figures.elbows([30, 0, 0, 0]), "outside the reach"),
+        (lambda: frames.arm(), "at least one posture"),
+        (lambda: frames.arm(DIG, labels=("a", "b")), "2 labels for 1 postures"),
+        (lambda: frames.arm([0, 0, 0]), "4 joints"),
+        (lambda: steps.turn([0, 0, 0]), "shape"),
+        (lambda: inverse.elbows([30, 0, 0, 0]), "outside the reach"),
     ],
 )
 def test_bad_input_is_named(call, match):

@@ -33,12 +33,6 @@ def chord_about_each_joint(answer, q):
     np.testing.assert_allclose(answer, 2 * np.sin(np.radians(0.5)) * np.array(radii), rtol=1e-9)
 
 
-def enough_and_not_one_more(answer, truck_volume, bucket_volume, fill):
-    """So many buckets fill the truck, and one less does not."""
-    brought = bucket_volume * fill
-    assert (answer - 1) * brought < truck_volume <= answer * brought
-
-
 def busiest_joint_at_its_share(answer, q_way, share):
     """In each segment the busiest joint's mean speed is just the share of its limit, forwards."""
     used = np.abs(np.diff(q_way, axis=0)) / answer[:, None]

@@ -1,1 +1,1 @@
-"""Lesson 01, `01_kinematics`: its exercises, figures and printed formulas."""
+"""Lesson 01, `01a_frames` to `01c_steps`: its exercises, figures and printed formulas."""

@@ -4,6 +4,7 @@ Every drawing function returns a Matplotlib figure; `show(fig, alt)` puts it int
 one lesson alone draws is in its `backhoe.lessons.<name>.figures`.
 """
 
+from backhoe.view.plots.angles import joint_angles
 from backhoe.view.plots.drawing import posture
 from backhoe.view.plots.interactive import sliders
 from backhoe.view.plots.panels import joint_tracking, stacked
@@ -33,6 +34,7 @@ __all__ = [
     "draw_lines",
     "figure",
     "from_above",
+    "joint_angles",
     "joint_tracking",
     "lifting_chart",
     "lines",

@@ -25,7 +25,9 @@ def joint_angles(direction: float, pitches: ArrayLike) -> NDArray:
 
 
 def _angle_cases(rng: np.random.Generator) -> list[tuple]:
-    return [(rng.uniform(-1.5, 3.0), rng.uniform((-0.6, -2, -4), (1, -1, -0.5))) for _ in range(40)]
+    ends = [(0.0, np.zeros(3)), (-np.pi / 2, np.array([0.5, -1.0, 0.5])), (np.pi, -np.ones(3))]
+    low, high = (-0.6, -2, -4), (1, -1, -0.5)
+    return [*ends, *((rng.uniform(-1.5, 3.0), rng.uniform(low, high)) for _ in range(40))]
 
 
 def _plus_offsets(times: float) -> Callable[[float, NDArray], NDArray]:
@@ -58,7 +60,7 @@ ANGLES = Exercise(
         "Find q2* first: the boom is the first link, so its pitch is q2* itself. Then the stick.",
         "q* = (pitch_boom, pitch_stick - pitch_boom, pitch_bucket - pitch_stick); q = q* - offset.",
     ),
-    tested_on="40 random directions and pitches",
+    tested_on="43 directions and pitches, zero and the ends among them",
 )
 
 
@@ -92,7 +94,10 @@ SIDE_VIEW = Exercise(
     title="The teeth seen from the side",
     reference=side_view,
     oracle="tip_in_the_plane_of_the_arm",
-    cases=lambda rng: [(q,) for q in rng.uniform(BACKHOE.lower, BACKHOE.upper, (60, 4))],
+    cases=lambda rng: [
+        (q,)
+        for q in (*rng.uniform(BACKHOE.lower, BACKHOE.upper, (60, 4)), np.zeros(4), BACKHOE.upper)
+    ],
     mistakes={
         "each link is pitched by the sum of all q* up to it, not by its own q* alone": (
             _side(lambda q: q[1:] + OFFSETS)
@@ -120,7 +125,7 @@ SIDE_VIEW = Exercise(
         "Start at the boom's joint, (b1, L0 + L1), and add three arrows, one a link.",
         "The arrow of a link is its length times (cos pitch, sin pitch); np.cumsum adds the q*.",
     ),
-    tested_on="60 random postures within the limits",
+    tested_on="62 postures within the limits",
 )
 
 
@@ -142,12 +147,21 @@ def nearly_deep_enough(answer: float, reference: float, machine: Machine) -> boo
     return abs(answer - reference) <= 0.03
 
 
-def _other_machine(rng: np.random.Generator) -> Machine:
+def _other_machine(rng: np.random.Generator, kind: int = 0) -> Machine:
+    """Other lengths and limits; all kinds but 0 have a stick or a bucket that cannot hang down."""
     boom, stick, bucket = (
         replace(link, length=link.length * rng.uniform(0.75, 1.3)) for link in BACKHOE.links
     )
-    joint = replace(boom.joint, lower=np.radians(rng.uniform(-45.0, -25.0)))
-    return replace(BACKHOE, boom=replace(boom, joint=joint), stick=stick, bucket=bucket)
+    ranges = (
+        (rng.uniform(-45, -25), 60),
+        ((-60, 60), (-60, rng.uniform(-15, 5)), (rng.uniform(30, 45), 60))[kind % 3],
+        ((-40, 120), (-40, rng.uniform(20, 80)))[kind // 3],
+    )
+    links = (
+        replace(link, joint=replace(link.joint, lower=low, upper=high))
+        for link, (low, high) in zip((boom, stick, bucket), np.radians(ranges), strict=True)
+    )
+    return replace(BACKHOE, **dict(zip(("boom", "stick", "bucket"), links, strict=True)))
 
 
 def _height(machine: Machine) -> float:
@@ -159,19 +173,45 @@ def _depth_with(name: str, change: Callable) -> Callable[[Machine], float]:
     return lambda machine: dig_depth(replace(machine, **{name: change(getattr(machine, name))}))
 
 
-def _stiff(link: object) -> object:
-    return replace(link, joint=replace(link.joint, lower=-1e-9, upper=1e-9))
+def _turning(low: float, high: float) -> Callable[[object], object]:
+    return lambda link: replace(link, joint=replace(link.joint, lower=low, upper=high))
+
+
+_stiff, _free = _turning(-1e-9, 1e-9), _turning(-np.pi, np.pi)
+
+
+def _hanging(machine: Machine) -> float:
+    boom, stick, bucket = machine.links
+    lowest = boom.length * np.sin(machine.lower[1] + boom.angle_offset)
+    return stick.length + bucket.length - lowest - _height(machine)
+
+
+def _at_the_limits(machine: Machine) -> float:
+    q = np.stack(np.meshgrid(0.0, *zip(machine.lower[1:], machine.upper[1:], strict=True)), -1)
+    return -kinematics.forward_kinematics(q, machine=machine)[..., 2, 3].min()
 
 
 DEPTH = Exercise(
     number="1.3",
     title="How deep does it dig?",
     reference=dig_depth,
-    oracle="hanging_from_the_lowest_boom",
-    cases=lambda rng: [(_other_machine(rng),) for _ in range(4)],
+    oracle="lowest_of_all_within_the_limits",
+    cases=lambda rng: [(_other_machine(rng, kind),) for kind in range(6)],
     mistakes={
         "the boom does not hang straight down: keep every joint within its limits": (
             lambda machine: sum(link.length for link in machine.links) - _height(machine)
+        ),
+        "stick and bucket cannot always hang straight down: they have limits of their own": (
+            _hanging
+        ),
+        "the stick has limits, too: machine.lower[2] and machine.upper[2]": (
+            _depth_with("stick", _free)
+        ),
+        "the bucket has limits, too: machine.lower[3] and machine.upper[3]": (
+            _depth_with("bucket", _free)
+        ),
+        "the deepest posture may lie between the limits: try angles between them, too": (
+            _at_the_limits
         ),
         "that is BACKHOE's own depth each time: use the machine that you are given": (
             lambda machine: dig_depth(BACKHOE)
@@ -206,5 +246,5 @@ DEPTH = Exercise(
     rtol=0.0,
     atol=0.03,
     timeout=30.0,
-    tested_on="4 machines with other links, to 3 cm",
+    tested_on="6 machines with other links and limits, to 3 cm",
 )

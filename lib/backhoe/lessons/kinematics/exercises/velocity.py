@@ -1,4 +1,4 @@
-"""Exercises 1.4 and 1.5: the printed angular Jacobian repaired; speeds that level the ground."""
+"""Exercises 1.4 and 1.5: the angular Jacobian repaired; speeds that level the ground."""
 
 from __future__ import annotations
 
@@ -13,48 +13,66 @@ from backhoe.lessons.kinematics import printed
 from backhoe.machine import BACKHOE
 
 
-def angular_jacobian(q: ArrayLike) -> NDArray:
-    """J_w of the bucket: its columns are the axes of the four joints, shape (3, 4)."""
+def angular_jacobian(q: ArrayLike, link: int) -> NDArray:
+    """J_w of link 1 (swing) to 4 (bucket), (3, 4): the axes of the joints that turn it, or 0."""
     direction = q[0] + np.pi / 2
     swing_axis = [0.0, 0.0, 1.0]
     across = [np.sin(direction), -np.cos(direction), 0.0]
-    return np.column_stack((swing_axis, across, across, across))
+    J = np.column_stack((swing_axis, across, across, across))
+    J[:, link:] = 0.0
+    return J
 
 
-def _columns_times(*factors: float) -> Callable[[NDArray], NDArray]:
-    return lambda q: angular_jacobian(q) * factors
+def _columns_times(*factors: float) -> Callable[[NDArray, int], NDArray]:
+    return lambda q, link: angular_jacobian(q, link) * factors
+
+
+def _turn_cases(rng: np.random.Generator) -> list[tuple[NDArray, int]]:
+    q = [*rng.uniform(BACKHOE.lower, BACKHOE.upper, (40, 4)), np.zeros(4), BACKHOE.lower]
+    return [(one, 1 + place % 4) for place, one in enumerate(q)]
 
 
 ANGULAR = Exercise(
     number="1.4",
-    title="Repair (A.18)",
+    title="Repair a turn",
     reference=angular_jacobian,
-    oracle="spin_of_the_turning_bucket",
-    cases=lambda rng: [(q,) for q in rng.uniform(BACKHOE.lower, BACKHOE.upper, (40, 4))],
+    oracle="spin_of_the_turning_link",
+    cases=_turn_cases,
     mistakes={
-        "that is (A.18) as printed: stick and bucket do not turn about the vertical": (
-            lambda q: printed.angular_jacobians(q)[3]
+        "stick and bucket do not turn about the vertical: that is the form to repair": (
+            lambda q, link: printed.angular_jacobians(q)[link - 1]
         ),
-        "the printed ones are still in the last row: those joints have no vertical part": (
-            lambda q: angular_jacobian(q) + np.outer((0, 0, 1), (0, 0, 1, 1))
+        "the ones are still in the last row: stick and bucket have no vertical part": (
+            lambda q, link: angular_jacobian(q, link) + np.outer((0, 0, 1), np.arange(4) // 2 > 0)
         ),
-        "the axes use q1 where q1* = q1 + pi/2 belongs": lambda q: angular_jacobian(q - np.pi / 2),
+        "the axes use q1 where q1* = q1 + pi/2 belongs": (
+            lambda q, link: angular_jacobian(q - np.pi / 2, link)
+        ),
         "those axes point along the arm: the joints' axes lie across it": (
-            lambda q: angular_jacobian(q + np.pi / 2)
+            lambda q, link: angular_jacobian(q + np.pi / 2, link)
+        ),
+        "joints beyond the link do not turn it: their columns are zero": (
+            lambda q, link: angular_jacobian(q, 4)
+        ),
+        "links count from 1: the swing, 1, is turned by its own joint": (
+            lambda q, link: angular_jacobian(q, link - 1)
+        ),
+        "that is one joint too many: link 1, the swing, is turned by joint 1 alone": (
+            lambda q, link: angular_jacobian(q, link + 1)
         ),
         "the three horizontal axes point the other way: positive turns lift the link": (
             _columns_times(1, -1, -1, -1)
         ),
-        "that is J_w3, of the stick: the bucket joint turns the bucket as well": (
+        "the bucket joint turns the bucket as well: its column is missing": (
             _columns_times(1, 1, 1, 0)
         ),
         "the swing turns the bucket too: its column is (0, 0, 1)": _columns_times(0, 1, 1, 1),
     },
     hints=(
-        "Column i is the unit vector, in the base frame, of the axis that joint i turns about.",
+        "Column i is the unit vector of the axis that joint i turns about, 0 beyond the link.",
         "T_01, third column: the axis of the boom's joint. How do the three horizontal axes lie?",
     ),
-    tested_on="40 random postures",
+    tested_on="four links in 42 postures",
 )
 
 
@@ -87,7 +105,12 @@ GRADING = Exercise(
     reference=grading_speeds,
     oracle="teeth_a_moment_later",
     cases=lambda rng: [
-        (q, rng.uniform(0.1, 0.6)) for q in rng.uniform(BACKHOE.lower, BACKHOE.upper, (40, 4))
+        (q, speed)
+        for q, speed in zip(
+            rng.uniform(BACKHOE.lower, BACKHOE.upper, (40, 4)),
+            (0.0, *rng.uniform(0.1, 0.6, 20), *rng.uniform(-0.6, -0.1, 19)),
+            strict=True,
+        )
     ],
     mistakes={
         "the bucket joint stands still, so the bucket turns with the stick: pitch is a sum": (
@@ -116,5 +139,5 @@ GRADING = Exercise(
         "Three unknowns (boom, stick, bucket), three wishes: outward speed, no lift, no tilt.",
         "Rows: cos(q1*) J[0] + sin(q1*) J[1], J[2], (0, 1, 1, 1); drop column 0; np.linalg.solve.",
     ),
-    tested_on="40 random postures and speeds",
+    tested_on="40 random postures, outwards, inwards and at rest",
 )

@@ -1,4 +1,4 @@
-"""Exercises on movement: what a joint does to the teeth, how many buckets, how much time."""
+"""Exercises on movement: what a joint does to the teeth, how much time it needs."""
 
 from __future__ import annotations
 
@@ -32,17 +32,6 @@ def tip_travel(q: ArrayLike) -> NDArray:
     return travel
 
 
-def loads(truck_volume: float, bucket_volume: float, fill: float) -> int:
-    """How many buckets fill the truck.
-
-    Args:
-        truck_volume: what the truck holds [m^3].
-        bucket_volume: what the bucket holds when it is level full [m^3].
-        fill: the part of that which one dig brings in, about 0.6 to 1.1.
-    """
-    return math.ceil(truck_volume / (bucket_volume * fill))
-
-
 def segment_times(q_way: ArrayLike, share: float) -> NDArray:
     """Shortest time from each posture to the next, within a share of the joints' speeds.
 
@@ -55,11 +44,6 @@ def segment_times(q_way: ArrayLike, share: float) -> NDArray:
     """
     turns = np.abs(np.diff(q_way, axis=0))
     return np.max(turns / (share * BACKHOE.speed_limit), axis=1)
-
-
-def _load_cases(rng: np.random.Generator) -> list[tuple[float, float, float]]:
-    low, high = (4.0, 0.3, 0.6), (12.0, 0.9, 1.1)
-    return [(6.0, 0.5, 1.0), *(tuple(map(float, rng.uniform(low, high))) for _ in range(20))]
 
 
 def _way_cases(rng: np.random.Generator) -> list[tuple[NDArray, float]]:
@@ -81,10 +65,6 @@ def _travel(
         return np.array([measure(place - before) for place in after])
 
     return travel
-
-
-def _loads(rounded: Callable, brought: Callable = lambda bucket, fill: bucket * fill) -> Callable:
-    return lambda truck, bucket, fill: rounded(truck / brought(bucket, fill))
 
 
 def _times(
@@ -137,36 +117,6 @@ MOVING = (
     ),
     Exercise(
         number="0.5",
-        title="How many buckets fill the truck?",
-        reference=loads,
-        oracle="enough_and_not_one_more",
-        cases=_load_cases,
-        tested_on="21 trucks and buckets",
-        mistakes={
-            "the truck is not quite full: round up, the last bucket may be a small one": (
-                _loads(int)
-            ),
-            "a machine cannot dig part of a time: a whole number is asked, rounded up": (
-                _loads(float)
-            ),
-            "rounding to the nearest leaves some trucks not full: always round up": _loads(round),
-            "you count on full buckets: a dig brings in bucket_volume * fill": (
-                _loads(math.ceil, lambda bucket, fill: bucket)
-            ),
-            "fill is on the wrong side: emptier buckets mean more of them, not fewer": (
-                _loads(math.ceil, lambda bucket, fill: bucket / fill)
-            ),
-            "one too many when it comes out even: 6 m^3 are 12 buckets of 0.5 m^3": (
-                _loads(lambda buckets: int(buckets) + 1)
-            ),
-        },
-        hints=(
-            "how much soil does one bucket bring? how often does that go into the truck?",
-            "math.ceil rounds up to the next whole number",
-        ),
-    ),
-    Exercise(
-        number="0.6",
         title="How fast may the machine be?",
         reference=segment_times,
         oracle="busiest_joint_at_its_share",

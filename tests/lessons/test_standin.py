@@ -1,5 +1,7 @@
 """A student's function in the middle of a lesson: used where it works, and a line where not."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
@@ -45,7 +47,7 @@ def test_a_function_that_answers_in_the_right_form_is_used_and_nothing_is_said(c
     [
         (stub, "is not done yet"),
         (breaks, "stops with IndexError: index 9 is out of bounds"),
-        (one_number, "returns a number, not an array of shape (2,)"),
+        (one_number, "returns a number, not numbers of shape (2,)"),
         (not_finite, "returns values that are not finite"),
     ],
 )
@@ -56,13 +58,30 @@ def test_another_is_replaced_and_one_line_says_why(mine, why, capsys):
     assert line.endswith("; the library's stands in)")
 
 
-def test_several_values_count_by_their_number(capsys):
-    def two(q):
-        return q, 1.0
+class Pair(NamedTuple):
+    far: float
+    near: float
 
-    assert working(lambda q: (q, 2.0), two, 3.0) is not two
-    assert working(lambda q: 2.0, two, 3.0) is two
-    assert "returns a number, not 2 values" in capsys.readouterr().out
+
+@pytest.mark.parametrize("answer", [(3.0, 1.0), [3.0, 1.0], np.array([3.0, 1.0]), Pair(3.0, 1.0)])
+def test_numbers_in_a_tuple_a_list_or_an_array_are_one_form(answer, capsys):
+    def mine(q):
+        return answer
+
+    assert working(mine, lambda q: Pair(q, 2.0), 3.0) is mine
+    assert not capsys.readouterr().out
+
+
+def test_parts_of_other_shapes_count_one_by_one(capsys):
+    def library(q):
+        return np.zeros(3), q
+
+    def fits(q):
+        return np.ones(3), 0.0
+
+    assert working(fits, library, 3.0) is fits
+    assert working(lambda q: 2.0, library, 3.0) is library
+    assert "returns a number, not 2 values of the shapes (3,), ()" in capsys.readouterr().out
 
 
 def test_the_trial_leaves_the_arguments_alone():

@@ -42,18 +42,20 @@ def working(mine: Callable, library: Callable, *given: object) -> Callable:
 
 
 def _form(answer: object) -> tuple:
-    """Shape of a number or an array; of several values, that of each."""
-    if isinstance(answer, tuple):
+    """Shape of a number, an array or numbers in a tuple or list; else that of each part."""
+    try:
+        return np.shape(answer)
+    except ValueError:
         return tuple(map(np.shape, answer))
-    return np.shape(answer)
 
 
 def _finite(answer: object) -> bool:
-    parts = [np.asarray(part) for part in (answer if isinstance(answer, tuple) else (answer,))]
-    return all(part.dtype.kind not in "fc" or np.isfinite(part).all() for part in parts)
+    parts = answer if isinstance(answer, tuple | list) else (answer,)
+    arrays = [np.asarray(part) for part in parts]
+    return all(one.dtype.kind not in "fc" or np.isfinite(one).all() for one in arrays)
 
 
 def _told(form: tuple) -> str:
     if form and isinstance(form[0], tuple):
-        return f"{len(form)} values"
-    return f"an array of shape {form}" if form else "a number"
+        return f"{len(form)} values of the shapes {', '.join(map(str, form))}"
+    return f"numbers of shape {form}" if form else "a number"

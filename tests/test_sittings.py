@@ -44,3 +44,26 @@ def test_the_sittings_of_a_chapter_ask_each_of_its_exercises_once(chapter):
     paths = [path for path in SITTINGS if int(path.stem[:2]) == int(chapter)]
     asked = [number for path in paths for number, _ in EXERCISE.findall(prose(read(path)))]
     assert asked == list(lesson(chapter))
+
+
+def shown(cell):
+    """What the figures of a cell are said to show, one text a figure."""
+    outputs = cell.get("outputs", ())
+    return [
+        output["data"]["text/plain"] for output in outputs if "image/png" in output.get("data", {})
+    ]
+
+
+def test_each_figure_has_its_number_and_a_caption(cells):
+    """All but the small map of the machine on top, which has no number."""
+    numbers = re.findall(r"^\*Figure (\d+)\. ", prose(cells), re.MULTILINE)
+    figures = [text for cell in cells for text in shown(cell)]
+    assert [int(number) for number in numbers] == list(range(1, len(numbers) + 1))
+    assert len(numbers) == len(figures) - figures[0].startswith("The way of the data")
+
+
+def test_a_figure_is_told_by_the_program_with_quantities_and_units(cells):
+    for text in (text for cell in cells for text in shown(cell)):
+        drawn = text.partition("Drawn: ")[2]
+        assert drawn, text
+        assert "no name" not in drawn and not re.search(r"(; |, |: |\) )\[", drawn), drawn

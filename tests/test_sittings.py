@@ -56,7 +56,8 @@ def shown(cell):
 
 def test_each_figure_has_its_number_and_a_caption(cells):
     """All but the small map of the machine on top, which has no number."""
-    numbers = re.findall(r"^\*Figure (\d+)\. ", prose(cells), re.MULTILINE)
+    captions = re.findall(r"^\*Figures? (\d+(?: and \d+)?)\. ", prose(cells), re.MULTILINE)
+    numbers = [number for caption in captions for number in caption.split(" and ")]
     figures = [text for cell in cells for text in shown(cell)]
     assert [int(number) for number in numbers] == list(range(1, len(numbers) + 1))
     assert len(numbers) == len(figures) - figures[0].startswith("The way of the data")

@@ -52,7 +52,6 @@ def sliders(
             max=highest,
             step=step,
             description=f"{name} [{unit}]",
-            style={"description_width": "initial"},
             readout_format=".0f" if step >= 1 else ".2f",
             style={"description_width": "initial"},
             layout=ipywidgets.Layout(width="95%", max_width="32em"),

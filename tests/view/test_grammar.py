@@ -1,10 +1,12 @@
 """One meaning per look: told apart in colour, without colour, and by colour-blind readers."""
 
+from io import BytesIO
 from itertools import combinations
 
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.image import imread
 
 from backhoe.machine import JOINTS
 from backhoe.vehicle.tracking import TRACKERS
@@ -92,6 +94,13 @@ def test_a_name_looks_the_same_in_every_figure_and_variants_of_it_differ_in_thei
     assert style.looks(["PID"])[0]["color"] != style.LOOKS["P"][0]
 
 
+def test_a_longer_name_is_not_its_beginning():
+    plain, longer = style.looks(["pid", "pid+gravity"])
+    assert (plain["color"], longer["color"]) == (style.BLUE, style.ORANGE)
+    assert style.looks(["P with a limit"])[0]["color"] == style.LOOKS["P"][0]
+    assert style.looks(["pure pursuit, 2 m"])[0]["color"] == style.LOOKS["pure pursuit"][0]
+
+
 def test_many_curves_all_differ_without_colour():
     styles = style.looks([f"curve {k}" for k in range(20)])
     assert len({(one["marker"], one["linestyle"]) for one in styles}) == 20
@@ -103,11 +112,7 @@ def test_one_curve_alone_has_no_marker():
 
 def test_black_is_seen_on_a_dark_page():
     fig = plots.lines([0, 1], {"is": [0, 1]}, "t [s]", "x [m]", {"is": "truth"})
-    import io
-
-    from matplotlib.image import imread
-
-    shown = imread(io.BytesIO(plots.png(fig)))
+    shown = imread(BytesIO(plots.png(fig)))
     opaque = shown[shown[..., 3] > 0.9][:, :3]
     assert (opaque.max(axis=1) < 0.15).any() and (opaque.min(axis=1) > 0.95).any()
 

@@ -257,5 +257,5 @@ def looks(labels: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def _look(label: str) -> tuple[str, str] | None:
-    names = [name for name in LOOKS if re.match(rf"{re.escape(name)}(?![\w+])", label)]
-    return LOOKS[max(names, key=len)] if names else None
+    found = (name for name in LOOKS if re.match(rf"{re.escape(name)}(?![\w+])", label))
+    return LOOKS.get(next(found, ""))

@@ -6,7 +6,8 @@ Places in the plane are complex numbers, x forward and y to the left.
 import numpy as np
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import make_interp_spline
+from scipy.optimize import linprog
 
 from backhoe.vehicle import motor
 from backhoe.vehicle.motor import ROVER
@@ -26,9 +27,9 @@ def rims_that_meet_the_ground(answer, twist):
     assert_allclose(answer, ground / HUSKY.wheel_radius, atol=1e-6)
 
 
-def wheels_carried_round_the_centre(answer, omega, x_icr):
+def wheels_carried_round_the_centre(answer, omega, x_icr, vehicle):
     """Both axles are turned about a centre at x_ICR, however far aside it lies."""
-    axles = np.array([HUSKY.front, -HUSKY.rear]) + HUSKY.half_track * 1j
+    axles = np.array([vehicle.front, -vehicle.rear]) + vehicle.half_track * 1j
     for aside in (-2j, 0.7j):
         centre = x_icr + aside
         slip = velocity(lambda t, c=centre: c + (axles - c) * np.exp(1j * omega * t)).imag
@@ -36,11 +37,12 @@ def wheels_carried_round_the_centre(answer, omega, x_icr):
 
 
 def an_ideal_vehicle_of_that_half_track(answer, t, left, right, turn):
-    """On that half track the ways of the rims, integrated by splines, make the turn."""
+    """On that half track the ways of the rims, straight splines integrated, make the turn."""
     ways = [
-        CubicSpline(t, HUSKY.wheel_radius * side).integrate(t[0], t[-1]) for side in (left, right)
+        HUSKY.wheel_radius * make_interp_spline(t, side, k=1).integrate(t[0], t[-1])
+        for side in (left, right)
     ]
-    assert_allclose((ways[1] - ways[0]) / (2 * answer), turn, rtol=1e-5)
+    assert_allclose((ways[1] - ways[0]) / (2 * answer), turn, rtol=1e-8)
 
 
 def four_wheels_pushed_and_dragged(answer, vehicle):
@@ -107,3 +109,22 @@ def statics_of_two_forces(answer, force, moment, gauge):
     levers = gauge / 2 * np.array([1, -1])
     assert_allclose(sum(answer), force)
     assert_allclose(np.sum(np.multiply(answer, -levers)), moment)
+
+
+def two_linear_programmes(answer, u_v, u_omega, limit):
+    """By linear programming: the turn as near to its wish as both tracks allow, then the speed."""
+    tracks = np.array([[1, -1], [1, 1], [-1, 1], [-1, -1]])  # of u_v, u_omega, for both signs
+    rows, most = np.c_[tracks, np.zeros((4, 2))], np.full(4, limit)
+
+    def nearest(which, equal=None):  # unknowns u_v, u_omega and how far each is off its wish
+        off = np.zeros((2, 4))
+        off[:, which], off[:, 2 + which] = (1, -1), -1
+        wish = (u_v, u_omega)[which]
+        cost = np.eye(4)[2 + which]
+        fixed = {} if equal is None else {"A_eq": [[0, 1, 0, 0]], "b_eq": [equal]}
+        found = linprog(cost, np.r_[rows, off], np.r_[most, wish, -wish], bounds=(None, None),
+                        **fixed)  # fmt: skip
+        return found.x[which]
+
+    turn = nearest(1)
+    assert_allclose(answer, [nearest(0, turn), turn], rtol=1e-7, atol=1e-7 * limit)

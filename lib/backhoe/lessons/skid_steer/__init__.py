@@ -1,1 +1,1 @@
-"""Lesson 04, `04_skid_steer`: its exercises, figures and printed formulas."""
+"""Lessons 04a to 04c: their exercises, figures and printed formulas."""

@@ -34,20 +34,18 @@ def _times(factors: Callable[[Vehicle], tuple]) -> Callable[[Vehicle], NDArray]:
 
 RATES = Exercise(
     number="4.4",
-    title="Repair (2.15)",
+    title="Repair a model by its units",
     reference=rates,
     oracle="four_wheels_pushed_and_dragged",
     cases=lambda rng: [(_vehicle(rng),) for _ in range(20)],
     mistakes={
-        "that is (2.15) as printed: neither its drives nor its turning drag are in 1/s": (
+        "that is the model as printed: neither its drives nor its turning drag are in 1/s": (
             _times(lambda p: (p.wheel_radius / 2, 1, p.wheel_radius / 2, p.half_track / p.front**2))
         ),
         "one r turns torque into force, another turns m/s into rad/s: divide by r^2": (
             _times(lambda p: (p.wheel_radius, 1, p.wheel_radius, 1))
         ),
-        "hypothesis 7 gives each wheel its torque: four of them push, not two": (
-            _times(lambda p: (0.5, 1, 0.5, 1))
-        ),
+        "each wheel has a motor: four of them push, not two": (_times(lambda p: (0.5, 1, 0.5, 1))),
         "the drives are repaired; the turning drag m g K_y c is still a force, not a torque": (
             _times(lambda p: (1, 1, 1, p.half_track / p.front**2))
         ),
@@ -56,6 +54,28 @@ RATES = Exercise(
         ),
         "c enters the turn twice: once in the wheel's speed, once as the lever of its push": (
             _times(lambda p: (1, 1, 1 / p.half_track, 1))
+        ),
+        "a lever is a distance to the middle: a, not the whole wheelbase": (
+            _times(lambda p: (1, 1, 1, 4))
+        ),
+        "half the track is the lever of a push, not all of it": _times(lambda p: (1, 1, 4, 1)),
+        "the slip has its a, the lever is missing: a force where a torque belongs": (
+            _times(lambda p: (1, 1, 1, 1 / p.front))
+        ),
+        "a turn has a moment of inertia where the drive has a mass": (
+            _times(lambda p: (1, 1, p.inertia / p.mass, p.inertia / p.mass))
+        ),
+        "these are forces and torques per speed: divide by the mass, and by the inertia": (
+            _times(lambda p: (p.mass, p.mass, p.inertia, p.inertia))
+        ),
+        "all wheels together carry m g: each drags with a quarter of it, and there are four": (
+            _times(lambda p: (1, 0.25, 1, 0.25))
+        ),
+        "the drives are right; the load on the wheels is m g, not m": (
+            _times(lambda p: (1, 1 / p.gravity, 1, 1 / p.gravity))
+        ),
+        "rolling resistance and friction across are swapped: K_x along, K_y across": (
+            _times(lambda p: (1, p.lateral / p.rolling, 1, p.rolling / p.lateral))
         ),
         "these are the Husky's own each time: use the vehicle that you are given": (
             lambda vehicle: rates(HUSKY)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backhoe.arm.pid import DigitalPID
 from backhoe.lessons.exercise import Exercise
 
 
@@ -21,24 +21,50 @@ def sampled_pi(error: NDArray, dt: float, kp: float, ki: float, limit: float) ->
     return np.array(output)
 
 
+def _up_to_the_limit(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+    """The integral runs right up to the limit and no further, as the library's does."""
+    output, integral = [], 0.0
+    for e in error:
+        more, old = integral + ki * dt * e, integral
+        integral = max(min(more, max(old, limit - kp * e)), min(old, -limit - kp * e))
+        output.append(np.clip(kp * e + integral, -limit, limit))
+    return np.array(output)
+
+
+def _or_back(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+    """The integral waits at the limit unless the error leads back from it."""
+    output, integral = [], 0.0
+    for e in error:
+        wanted = kp * e + integral + ki * dt * e
+        if abs(wanted) <= limit or wanted * e < 0:
+            integral += ki * dt * e
+        output.append(np.clip(kp * e + integral, -limit, limit))
+    return np.array(output)
+
+
+RULES = {"": sampled_pi, " (though it runs rightly up to the limit)": _up_to_the_limit}
+"""Ways to wait at the limit that are right and differ, and what is added to a mistake beside."""
+
+
 def right_clamping(answer: NDArray, reference: NDArray, *given: object) -> bool | str:
-    """An integral that waits a step before the limit or runs right up to it are both right."""
+    """An integral that waits a step before the limit or runs right up to it are both right, and
+    so is one that waits unless the error leads back."""
     if np.shape(answer) != np.shape(reference):
         return "one output for each sample of the error is asked"
-    error, dt, kp, ki, limit = given
-    pi = DigitalPID(kp, ki, 0.0, dt, limits=(-limit, limit))
-    upto = np.array([pi(float(e), 0.0) for e in error])
-    return any(np.allclose(answer, one, rtol=1e-6, atol=1e-9) for one in (reference, upto))
+    right = (*RULES.values(), _or_back)
+    return any(np.allclose(answer, rule(*given), rtol=1e-6, atol=1e-9) for rule in right)
 
 
 def _cases(rng: np.random.Generator) -> list[tuple]:
+    """Errors that jump, to both sides; the last record stays within its limits, one begins at 0."""
     cases = []
-    for _ in range(12):
+    for k in range(12):
         n, dt = int(rng.integers(60, 140)), float(rng.uniform(0.002, 0.02))
         kp, ki = rng.uniform(1.0, 4.0), rng.uniform(20.0, 60.0)
         steps = np.repeat(rng.uniform(-3.0, 3.0, 1 + n // 20), 20)[:n]
-        error = steps + 0.3 * rng.normal(size=n)
-        cases.append((error, dt, float(kp), float(ki), float(rng.uniform(3.0, 6.0))))
+        error = (steps + 0.3 * rng.normal(size=n)) * (np.arange(n) > 5 * (k == 10))
+        limit = rng.uniform(3.0, 6.0) if k < 11 else 1e3
+        cases.append((error, dt, float(kp), float(ki), float(limit)))
     return cases
 
 
@@ -46,17 +72,71 @@ def _winds_up(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> 
     return np.clip(kp * error + ki * dt * np.cumsum(error), -limit, limit)
 
 
-def _integral_alone(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
-    integral = DigitalPID(0.0, ki, 0.0, dt, limits=(-limit, limit))
-    return np.clip(kp * error + [integral(float(e), 0.0) for e in error], -limit, limit)
+def _late(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+    """Each output has the integral of the sample before."""
 
-
-def _a_sample_late(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
     def add(integral: float, e: float) -> float:
         fits = abs(kp * e + integral + ki * dt * e) <= limit
         return integral + ki * dt * e if fits else integral
 
     return np.clip(kp * error + [*accumulate(error[:-1], add, initial=0.0)], -limit, limit)
+
+
+def _alone(clipped: bool) -> Callable[..., NDArray]:
+    """An integral that is kept within the limit by itself, by cutting it or by waiting."""
+
+    def outputs(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+        def add(integral: float, e: float) -> float:
+            more = integral + ki * dt * e
+            kept = np.clip(more, -limit, limit) if clipped else integral
+            return more if abs(more) <= limit else kept
+
+        return np.clip(kp * error + [*accumulate(error, add, initial=0.0)][1:], -limit, limit)
+
+    return outputs
+
+
+def _asks_the_old(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+    def add(integral: float, e: float) -> float:
+        return integral + ki * dt * e if abs(kp * e + integral) <= limit else integral
+
+    return np.clip(kp * error + [*accumulate(error, add, initial=0.0)][1:], -limit, limit)
+
+
+def _unclipped(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+    def add(integral: float, e: float) -> float:
+        fits = abs(kp * e + integral + ki * dt * e) <= limit
+        return integral + ki * dt * e if fits else integral
+
+    return kp * error + [*accumulate(error, add, initial=0.0)][1:]
+
+
+def _slips(rule: Callable[..., NDArray]) -> dict[str, Callable[..., NDArray]]:
+    """Mistakes that can stand beside any way of waiting."""
+    return {
+        "the integral grows with each sample, however short: dt is missing": (
+            lambda error, dt, *gains: rule(error, 1.0, *gains)
+        ),
+        "here ki stands alone: no K_p in front of it": (
+            lambda error, dt, kp, ki, limit: rule(error, dt, kp, kp * ki, limit)
+        ),
+        "the integral forgets: it must add up over the samples": (
+            lambda error, *gains: np.ravel([rule(np.array([e]), *gains) for e in error])
+        ),
+        "the integral goes the wrong way: it grows with the error": (
+            lambda error, dt, kp, ki, limit: rule(error, dt, kp, -ki, limit)
+        ),
+        "the output has the wrong sign: kp e + I": lambda *record: -rule(*record),
+        "that is the I alone: K_p times the error is missing": (
+            lambda error, dt, kp, ki, limit: rule(error, dt, 0.0, ki, limit)
+        ),
+        "an output may be negative: the motor brakes, or runs backwards": (
+            lambda *record: np.abs(rule(*record))
+        ),
+        "the output has a lower limit too, -limit, and no other": (
+            lambda *record: np.maximum(rule(*record), 0.0)
+        ),
+    }
 
 
 SAMPLED_PI = Exercise(
@@ -71,26 +151,27 @@ SAMPLED_PI = Exercise(
         "the output leaves the limits: no battery gives more than its voltage": (
             lambda error, dt, kp, ki, limit: _winds_up(error, dt, kp, ki, np.inf)
         ),
-        "the integral grows with each sample, however short: dt is missing": (
-            lambda error, dt, *gains: sampled_pi(error, 1.0, *gains)
-        ),
         "the integral may fill the whole range by itself: it is P + I that must stay within": (
-            _integral_alone
+            _alone(clipped=True)
         ),
-        "that is (4.6) with its K_p in front of K_i: here ki stands alone": (
-            lambda error, dt, kp, ki, limit: sampled_pi(error, dt, kp, kp * ki, limit)
+        "the integral waits where it fills the range by itself: it is P + I that must fit": (
+            _alone(clipped=False)
         ),
-        "the integral forgets: it must add up over the samples": (
-            lambda error, *gains: np.ravel([sampled_pi([e], *gains) for e in error])
-        ),
-        "the integral comes a sample late: (4.6) adds the present error first": _a_sample_late,
+        "it asks whether the old integral fits: the new one may not": _asks_the_old,
+        "the integral comes a sample late: add the present error first": _late,
         "that is the P alone: the integral is missing": (
             lambda error, dt, kp, ki, limit: sampled_pi(error, dt, kp, 0.0, limit)
         ),
+        "the P leaves the limits beside an integral that waits: clip the sum": (_unclipped),
+        **{
+            text + beside: slip
+            for beside, rule in RULES.items()
+            for text, slip in _slips(rule).items()
+        },
     },
     hints=(
         "A loop over the error with one number that lasts, the integral; clip what you return.",
         "Add ki dt e to the integral only if kp e + integral + ki dt e then stays in the limits.",
     ),
-    tested_on="12 records of errors that drive it into its limits and back",
+    tested_on="12 records of errors that drive it into both limits and back",
 )

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from functools import partial
 from math import exp, log
 
+import numpy as np
+
 from backhoe.lessons.exercise import Exercise
 from backhoe.vehicle import motor
 from backhoe.vehicle.motor import ROVER, Motor, replace
@@ -35,16 +37,33 @@ def _euler(speed: float, voltage: float, torque: float, load: float, h: float) -
     return speed + h * push / (ROVER.rotor_inertia + load)
 
 
+def _steps(rng: np.random.Generator) -> list[tuple]:
+    """Steps at random, both ways round; of a wheel at rest, unpowered, unloaded, of long ones."""
+    spread = np.array([8.0, 24.0, 30.0])
+    cases = []
+    for which in ((1, 1, 1), (0, 1, 1), (1, 0, 1), (1, 1, 0)):
+        for _ in range(11):
+            given = (spread * rng.uniform(-1, 1, 3) * which).tolist()
+            cases.append((*given, *rng.uniform((0.02, 0.001), (1.0, 0.2)).tolist()))
+    return cases
+
+
 _N = ROVER.gear
+
+
+def _at_the_rotor(start: float = 1.0, end: float = 1.0, load: float = 1.0) -> Callable[..., float]:
+    """The step with factors on the speed that comes in, on what goes out, and on the load."""
+    return lambda speed, voltage, torque, inertia, h: (
+        end * geared_step(start * speed, voltage, torque, load * inertia, h)
+    )
+
 
 GEARED = Exercise(
     number="4.5",
     title="A motor behind its gearbox",
     reference=geared_step,
     oracle="rotor_and_wheel_integrated",
-    cases=lambda rng: [
-        tuple(rng.uniform((-8, -24, -30, 0.02, 0.001), (8, 24, 30, 1.0, 0.05))) for _ in range(40)
-    ],
+    cases=_steps,
     mistakes={
         "that is forward Euler, right for short steps only: E = exp(-h / tau) is exact": _euler,
         "the gearbox is missing: the wheel feels n times the torque of the rotor": (
@@ -52,6 +71,49 @@ GEARED = Exercise(
         ),
         "at the wheel the rotor's inertia and losses count n^2 times, not n times": (
             _other(inertia=1 / _N, friction=1 / _N, back_emf=1 / _N)
+        ),
+        "the losses count n^2 times, but the rotor's inertia only n times: it does as well": (
+            _other(inertia=1 / _N)
+        ),
+        "the inertia counts n^2 times, but the losses only n times: they do as well": (
+            _other(friction=1 / _N, back_emf=1 / _N)
+        ),
+        "the rotor's inertia is not reflected: at the wheel it counts n^2 times": (
+            _other(inertia=_N**-2)
+        ),
+        "the losses are not reflected: at the wheel they count n^2 times": (
+            _other(friction=_N**-2, back_emf=_N**-2)
+        ),
+        "the load's inertia is multiplied by n^2: at the wheel it counts as it is": (
+            _at_the_rotor(load=_N**2)
+        ),
+        "that is the speed of the rotor: the wheel's is n times slower": _at_the_rotor(end=_N),
+        "that is a step of the rotor: what comes in and goes out is the wheel's speed": (
+            _at_the_rotor(start=1 / _N, end=_N)
+        ),
+        "the speed that comes in is the wheel's already, and not the rotor's": (
+            _at_the_rotor(start=1 / _N)
+        ),
+        "the speed that comes in is multiplied by n, what goes out is the wheel's: both, or none": (
+            _at_the_rotor(start=_N)
+        ),
+        "what comes in is divided by n^2 as if it were a load: n once": _at_the_rotor(end=1 / _N),
+        "it starts from rest each time: E times the speed that it had": _at_the_rotor(start=0.0),
+        "the friction of the motor is missing": _other(friction=0.0),
+        "the back-EMF is missing: speed makes a voltage against you": _other(back_emf=1e-12),
+        "the torque constant enters twice, and the gear once: n K_m / R for each volt": (
+            lambda speed, voltage, *rest: geared_step(speed, ROVER.torque_constant * voltage, *rest)
+        ),
+        "that is where it ends after a long time: after h it is on its way there": (
+            lambda speed, voltage, torque, load, h: geared_step(0.0, voltage, torque, load, 1e6)
+        ),
+        "time runs backwards: E = exp(-h / tau), with a minus": (
+            lambda speed, voltage, torque, load, h: geared_step(speed, voltage, torque, load, -h)
+        ),
+        "the old speed fades, but the new one is there at once: (1 - E) before it": (
+            lambda speed, voltage, torque, load, h: (
+                geared_step(speed, 0.0, 0.0, load, h) + geared_step(0.0, voltage, torque, load, 1e6)
+            )
         ),
         "the inertia is reflected the wrong way: at the wheel the rotor counts n^2 times more": (
             _other(inertia=_N**-4)
@@ -76,7 +138,7 @@ GEARED = Exercise(
         "Everything at the wheel: torque n K_m / R V, inertia n^2 J + load, losses times n^2.",
         "damping = n^2 (b + K_m K_b / R), tau = inertia / damping, end = (drive - T_d) / damping.",
     ),
-    tested_on="40 random steps of 1 to 50 ms with loads from a bare wheel to a heavy robot",
+    tested_on="44 steps of 1 to 200 ms both ways round, also from rest, unpowered and unloaded",
 )
 
 

@@ -247,3 +247,23 @@ def test_no_undamped_inertia_has_the_rotation_of_table_33():
 def test_a_malformed_model_is_refused(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_what_is_given_keeps_the_limit_and_the_turn_has_all_that_it_can():
+    rng = np.random.default_rng(9)
+    for u_v, u_omega in rng.uniform(-2, 2, (200, 2)):
+        given_v, given_omega = travel.limited(u_v, u_omega, 1.0)
+        assert abs(given_v) + abs(given_omega) <= 1 + 1e-12
+        assert given_omega == pytest.approx(np.sign(u_omega) * min(abs(u_omega), 1))
+        free = 1 - abs(given_omega)
+        assert given_v == pytest.approx(np.sign(u_v) * min(abs(u_v), free))
+    with pytest.raises(ValueError, match="limit"):
+        travel.limited(1.0, 1.0, 0.0)
+
+
+def test_two_tracks_make_a_force_and_a_moment():
+    left, right = travel.tractions(3e4, -2e4, 2.38)
+    assert left + right == pytest.approx(3e4)
+    assert (right - left) * 2.38 / 2 == pytest.approx(-2e4)
+    with pytest.raises(ValueError, match="gauge"):
+        travel.tractions(1.0, 1.0, 0.0)

@@ -1,7 +1,8 @@
 """The missions: load the truck, drive, look around or grade, with parts a student can replace.
 
-`run()` digs and loads with the library's parts, `drive()` drives along a path, `survey()` keeps a
-map of the work, `grade()` draws a slope; `run(name=mine)` swaps a part in, and so on. `PARTS`,
+`run()` digs and loads with the library's parts, `drive()` drives along a path, `obey()` is given
+hard orders, `survey()` keeps a map of the work, `grade()` draws a slope; `run(name=mine)` swaps a
+part in, and so on. `PARTS`,
 `DRIVE_PARTS`, `SURVEY_PARTS` and `GRADE_PARTS` say what each part takes and gives. `score` sets a
 run beside the same run with the library's parts only. This is the one package that knows all parts.
 """
@@ -10,6 +11,7 @@ from backhoe.mission.design import SlopeDesign, TrenchDesign
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
 from backhoe.mission.loading import Run, run
+from backhoe.mission.orders import OrderRun, OrderScore, obey
 from backhoe.mission.parts import (
     DRIVE_PARTS,
     GRADE_PARTS,
@@ -35,6 +37,8 @@ __all__ = [
     "DriveRun",
     "DriveScore",
     "GradingRun",
+    "OrderRun",
+    "OrderScore",
     "Part",
     "Run",
     "Score",
@@ -49,6 +53,7 @@ __all__ = [
     "drive_the_machine",
     "grade",
     "hand_made_plan",
+    "obey",
     "parts",
     "run",
     "score",

@@ -17,6 +17,8 @@ from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
 from backhoe.mission.loading import Run, run
+from backhoe.mission.orders import OrderRun, OrderScore
+from backhoe.mission.orders import scored as scored_orders
 from backhoe.mission.surface import SurfaceScore, assess
 from backhoe.mission.surveying import SurveyRun, survey
 from backhoe.mission.table import MARGIN_ROWS, table
@@ -275,8 +277,8 @@ def _reference_grading(**settings: object) -> SurfaceScore:
 
 
 def score(
-    run: Run | DriveRun | SurveyRun | GradingRun | AutonomyRun,
-) -> Score | DriveScore | SurveyScore | SurfaceScore | AutonomyScore:
+    run: Run | DriveRun | OrderRun | SurveyRun | GradingRun | AutonomyRun,
+) -> Score | DriveScore | OrderScore | SurveyScore | SurfaceScore | AutonomyScore:
     """Measure a run beside the same run with the library's parts only.
 
     The reference runs in a new world of the same scene and soil, by the same backend if it is the
@@ -285,7 +287,7 @@ def score(
     reference: drive the plant again without your tracker.
 
     Args:
-        run: what `mission.run`, `drive`, `survey`, `grade` or `autonomy.run` returned.
+        run: what `mission.run`, `drive`, `obey`, `survey`, `grade` or `autonomy.run` returned.
 
     Returns:
         The score; `print` shows it beside the reference.
@@ -293,11 +295,11 @@ def score(
     Raises:
         TypeError: run is something else.
     """
-    kinds = (Run, DriveRun, SurveyRun, GradingRun, AutonomyRun)
-    advice = "take what mission.run, drive, survey, grade or autonomy.run returned"
+    kinds = (Run, DriveRun, OrderRun, SurveyRun, GradingRun, AutonomyRun)
+    advice = "take what mission.run, drive, obey, survey, grade or autonomy.run returned"
     instance(run, "run", kinds, advice)
-    if isinstance(run, AutonomyRun):
-        return scored(run)
+    if isinstance(run, AutonomyRun | OrderRun):
+        return scored(run) if isinstance(run, AutonomyRun) else scored_orders(run)
     if isinstance(run, GradingRun):
         reference = _reference_grading(**run.settings) if run.swapped else None
         return replace(_measure_grading(run), reference=reference)

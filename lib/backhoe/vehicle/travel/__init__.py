@@ -8,7 +8,7 @@ machine as a skid-steer vehicle: `as_skid_steer`.
 from backhoe.vehicle.travel.as_skid_steer import BACKHOE_TRACKS
 from backhoe.vehicle.travel.model import StepModel, TravelModel, model, yaw_inertia
 from backhoe.vehicle.travel.posture import POSTURE
-from backhoe.vehicle.travel.velocity import GAINS, VelocityPI
+from backhoe.vehicle.travel.velocity import GAINS, VelocityPI, limited, tractions
 
 __all__ = [
     "BACKHOE_TRACKS",
@@ -17,6 +17,8 @@ __all__ = [
     "StepModel",
     "TravelModel",
     "VelocityPI",
+    "limited",
     "model",
+    "tractions",
     "yaw_inertia",
 ]

@@ -96,17 +96,50 @@ class VelocityPI:
         e_v = number(v_ref, "v_ref", "m/s") - number(v, "v", "m/s")
         e_omega = number(omega_ref, "omega_ref", "rad/s") - number(omega, "omega", "rad/s")
         dt = positive(dt, "dt", "s")
-        u_omega = self._loop(1, e_omega, dt, self.limit, self.lever)
-        u_v = self._loop(0, e_v, dt, self.limit - abs(u_omega), 1.0)
-        return u_v - u_omega, u_v + u_omega
+        error = np.array([e_v, e_omega])
+        integral = self.integral + error * dt
+        wanted = (self.kp * error + self.ki * integral) * (1.0, self.lever)
+        u_v, u_omega = given = limited(*wanted.tolist(), self.limit)
+        kept = (given == wanted) | (wanted * error <= 0)
+        self.integral = np.where(kept, integral, self.integral)
+        return float(u_v - u_omega), float(u_v + u_omega)
 
-    def _loop(self, which: int, error: float, dt: float, limit: float, lever: float) -> float:
-        integral = self.integral[which] + error * dt
-        wanted = lever * float(self.kp[which] * error + self.ki[which] * integral)
-        given = min(max(wanted, -limit), limit)
-        if given == wanted or wanted * error <= 0:
-            self.integral[which] = integral
-        return given
+
+def limited(u_v: float, u_omega: float, limit: float) -> NDArray:
+    """What two tracks can give of a push ahead and of one against each other, the turn first.
+
+    Args:
+        u_v: wanted of both tracks [N].
+        u_omega: wanted of the right track, and against it of the left one [N].
+        limit: largest force of one track, either way [N].
+
+    Returns:
+        u_v and u_omega that can be given, shape (2,) [N].
+
+    Raises:
+        ValueError: a wish that is not finite, or a limit that is not above 0.
+    """
+    u_v, u_omega = number(u_v, "u_v", "N"), number(u_omega, "u_omega", "N")
+    limit = number(limit, "limit", "N", above=0.0, finite=False)
+    turn = min(max(u_omega, -limit), limit)
+    left = limit - abs(turn)
+    return np.array([min(max(u_v, -left), left), turn])
+
+
+def tractions(force: float, moment: float, gauge: float) -> NDArray:
+    """Forces of the left and right track that add up to a force and a yaw moment, shape (2,) [N].
+
+    Args:
+        force: along the vehicle [N].
+        moment: about its vertical, to the left [N m].
+        gauge: between the tracks [m].
+
+    Raises:
+        ValueError: a force or moment that is not finite, or a gauge that is not above 0.
+    """
+    half = number(force, "force", "N") / 2
+    difference = number(moment, "moment", "N m") / positive(gauge, "gauge", "m")
+    return np.array([half - difference, half + difference])
 
 
 def _gains(gains: ArrayLike, name: str) -> NDArray:

@@ -1,4 +1,4 @@
-"""The command `backhoe`: `lab` opens the lessons, `doctor` checks, `lessons` exports."""
+"""The command `backhoe`: open the lessons, show progress, check the machine, export pages."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "lab", help="open JupyterLab on your own copy of the lessons; further arguments go to it"
     )
     lab.add_argument("--folder", help="of your copy (default: workspace, in the course)")
+    progress = commands.add_parser("progress", help="show which exercises you have right, and when")
+    progress.add_argument("--folder", help="of your copy (default: workspace, in the course)")
     commands.add_parser("doctor", help="check this machine and name the fix for what is missing")
     lessons = commands.add_parser("lessons", help="export pages that need no network")
     lessons.add_argument("--output", help="folder to make (default: build/lessons)")
@@ -44,6 +46,10 @@ def _run(options: argparse.Namespace, further: Sequence[str]) -> int:
         from backhoe.course import workspace
 
         workspace.open_lab(further, options.folder)
+    elif options.command == "progress":
+        from backhoe.course import check, workspace
+
+        check.summary(workspace.default_folder() if options.folder is None else options.folder)
     else:
         from backhoe.course import site
 

@@ -9,6 +9,7 @@ import threading
 import time
 import warnings
 from collections import namedtuple
+from datetime import datetime
 from functools import partial
 from types import SimpleNamespace
 
@@ -118,7 +119,11 @@ EXERCISES = {
 }
 
 
-OURS = SimpleNamespace(find=EXERCISES.__getitem__, lesson=lambda number: EXERCISES)
+OURS = SimpleNamespace(
+    find=EXERCISES.__getitem__,
+    lesson=lambda number: EXERCISES,
+    written=lambda: ["9"],
+)
 
 
 @pytest.fixture
@@ -186,6 +191,39 @@ class TestNotDone:
     @pytest.mark.parametrize("result", [None, ..., NotImplemented])
     def test_a_function_that_returns_nothing_is_not_done(self, said, result):
         assert said("9.1", lambda q: result) == "not done yet"
+
+    def test_a_stub_that_takes_its_arguments_apart_is_not_done(self, said):
+        def stub(q):
+            x, y, angle = q
+            x = x, y, angle
+            return None
+
+        assert said("9.1", stub) == "not done yet"
+
+    def test_a_forgotten_return_is_told(self, said):
+        def forgot(q):
+            q = 2 * turn(q)
+
+        class Forgetful:
+            def __call__(self, q):
+                turn(q)
+
+        for answer in (forgot, Forgetful(), partial(forgot), lambda q: turn(q).sort()):
+            assert "it computes something, but returns None" in said("9.1", answer)
+
+    def test_printing_instead_of_returning_is_told(self, said, capsys):
+        def helper(q):
+            print(turn(q))
+
+        for answer in (print, helper, lambda q: helper(q)):
+            assert "it prints, but returns None" in said("9.1", answer)
+
+    def test_printing_beside_returning_is_right(self, said):
+        def loud(q):
+            print("here")
+            return turn(q)
+
+        assert said("9.1", loud).startswith("right")
 
     def test_a_tuple_of_nothing_is_not_done(self, said):
         assert said("9.4", lambda v: (None, None)) == "not done yet"
@@ -652,14 +690,19 @@ class TestMemory:
     def test_hints_come_from_the_second_wrong_answer_on_and_in_stages(self, said, capsys):
         check, wrong = Check(OURS), lambda q: np.eye(3)
         printed = []
-        for _ in range(4):
+        for _ in range(6):
             check("9.1", wrong)
             printed.append(capsys.readouterr().out.splitlines()[1:])
         assert printed == [
             [],
             ["exercise 9.1: hint 1 of 2: first"],
             ["exercise 9.1: hint 2 of 2: second"],
-            ["exercise 9.1: hint 2 of 2: second"],
+            [
+                "exercise 9.1: no further hints: read the section above it once more, or see "
+                'check.solution("9.1")'
+            ],
+            [],
+            [],
         ]
 
     def test_an_untouched_stub_gets_no_hint(self, said, capsys):
@@ -676,7 +719,8 @@ class TestMemory:
         assert capsys.readouterr().out.splitlines() == [
             "exercise 9.1: hint 1 of 2: first",
             "exercise 9.1: hint 2 of 2: second",
-            "exercise 9.2: no hints",
+            "exercise 9.2: no hints: read the section above it once more, or see "
+            'check.solution("9.2")',
         ]
 
     def test_the_summary_lists_what_was_done(self, said, capsys):
@@ -689,9 +733,10 @@ class TestMemory:
         capsys.readouterr()
         check.summary()
         lines = capsys.readouterr().out.splitlines()
+        today = f"{datetime.now().day} {datetime.now():%b %Y}"
         assert lines[:5] == [
             "lesson 9: 1 of 12 right",
-            "  9.1   right         A pose",
+            f"  9.1   right         A pose (right {today}, try 1)",
             "  9.2   not yet       A vector",
             "  9.3   not done yet  Two arguments",
             "  9.4   not checked   Two values",
@@ -703,7 +748,7 @@ class TestMemory:
         check("9.1", np.sin)
         capsys.readouterr()
         check.summary()
-        assert "9.1   not yet" in capsys.readouterr().out
+        assert "9.1   not yet       A pose (right " in capsys.readouterr().out
 
 
 class TestSolution:

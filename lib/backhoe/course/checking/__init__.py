@@ -5,7 +5,7 @@
     check("1.2", my_function)   # or a value: check("0.1", 42.0)
     check.hint("1.2")           # a hint, the next one at each call
     check.solution("1.2")       # the source of the library's own function
-    check.summary()             # what is done in this notebook
+    check.summary()             # what is done, in this notebook or earlier
 
 Writing an exercise (in `backhoe/lessons/<lesson>/exercises/`, in the tuple `EXERCISES`):
 
@@ -37,10 +37,11 @@ import inspect
 import os
 from collections import Counter
 from functools import partial
+from pathlib import Path
 
-from backhoe.course.checking import guard
+from backhoe.course.checking import guard, memory
 from backhoe.course.checking.answers import ask, prepare
-from backhoe.course.checking.diagnosis import diagnose, is_untouched
+from backhoe.course.checking.diagnosis import diagnose, gives_nothing_back, is_untouched
 from backhoe.course.checking.outcomes import show
 from backhoe.lessons.exercise import Exercise, source_of, sources_of
 
@@ -48,7 +49,9 @@ __all__ = ["Check"]
 
 
 class Check:
-    """Checks exercises and remembers, for as long as the kernel lives, how they went.
+    """Checks exercises and remembers how they went, in the student's copy of the lessons.
+
+    What it prints of an answer does not depend on what it remembers from before.
 
     Args:
         catalogue: where they are: find(number) and lesson(number) as in `backhoe.course.catalogue`.
@@ -58,6 +61,7 @@ class Check:
         self._catalogue = catalogue
         self._wrong, self._hints = Counter(), Counter()
         self._state: dict[str, str] = {}
+        self._here: list[memory.Checked] = []
 
     def __call__(self, number: str, answer: object = None) -> None:
         """Print one line about `answer`; from its second wrong answer on, a hint below it.
@@ -72,28 +76,34 @@ class Check:
         exercise = self._catalogue.find(number)
         verdict, right = self._judge(exercise, answer)
         print(f"exercise {exercise.number}: {verdict}")
-        if right or verdict == "not done yet":
-            self._state[exercise.number] = "right" if right else verdict
+        self._state[exercise.number] = "right" if right else verdict.partition(":")[0]
+        if verdict == "not done yet":
             return
-        self._wrong[exercise.number] += 1
-        self._state[exercise.number] = "not yet"
-        if self._wrong[exercise.number] > 1:
-            self.hint(exercise.number)
+        one = memory.Checked.now(exercise.number, right)
+        if not memory.remember(memory.copy_around(), [one]):
+            self._here.append(one)
+        self._wrong[exercise.number] += not right
+        if not right and self._wrong[exercise.number] > 1:
+            if self._hints[exercise.number] <= len(exercise.hints):
+                self.hint(exercise.number)
 
     def hint(self, number: str) -> None:
-        """Print the next hint of the exercise; after the last, the last again.
+        """Print the next hint of the exercise; after the last, where to look instead.
 
         Raises:
             ValueError: there is no such exercise.
         """
         exercise = self._catalogue.find(number)
-        if not exercise.hints:
-            print(f"exercise {exercise.number}: no hints")
-            return
-        place = min(self._hints[exercise.number] + 1, len(exercise.hints))
-        self._hints[exercise.number] = place
-        hint = exercise.hints[place - 1]
-        print(f"exercise {exercise.number}: hint {place} of {len(exercise.hints)}: {hint}")
+        place, many = self._hints[exercise.number] + 1, len(exercise.hints)
+        self._hints[exercise.number] = min(place, many + 1)
+        if place <= many:
+            text = f"hint {place} of {many}: {exercise.hints[place - 1]}"
+        else:
+            text = (
+                f"no {'further ' * bool(many)}hints: read the section above it once more, or see "
+                f'check.solution("{exercise.number}")'
+            )
+        print(f"exercise {exercise.number}: {text}")
 
     def solution(self, number: str) -> None:
         """Print the reference: the source of the function, with what it is made of, or the value.
@@ -116,18 +126,30 @@ class Check:
         else:
             print(f"exercise {exercise.number}: the answer is {show(exercise.reference)}")
 
-    def summary(self) -> None:
-        """Print a table of the lessons that you have worked on since the kernel started."""
-        lessons = sorted({number.split(".")[0] for number in self._state}, key=int)
-        if not lessons:
-            print("no exercise checked yet")
-        for lesson in lessons:
+    def summary(self, folder: str | Path | None = None) -> None:
+        """Print a table of the lessons that you have worked on, today or before.
+
+        Args:
+            folder: of your copy of the lessons; the one that this notebook lies in if None.
+        """
+        checks, said = memory.recall(Path(folder) if folder else memory.copy_around())
+        passed = memory.passed([*checks, *self._here])
+        states = {one.exercise: "not yet" for one in checks} | dict.fromkeys(passed, "right")
+        states |= {
+            number: state
+            for number, state in self._state.items()
+            if state != "not done yet" or number not in states
+        }
+        lessons = {number.split(".")[0] for number in states} & set(self._catalogue.written())
+        for line in said if lessons else [*said, "no exercise checked yet"]:
+            print(line)
+        for lesson in sorted(lessons, key=int):
             of_lesson = self._catalogue.lesson(lesson)
-            done = sum(self._state.get(number) == "right" for number in of_lesson)
-            print(f"lesson {lesson}: {done} of {len(of_lesson)} right")
+            print(f"lesson {lesson}: {len(passed.keys() & of_lesson)} of {len(of_lesson)} right")
             for number, exercise in of_lesson.items():
-                state = self._state.get(number, "not checked")
-                print(f"  {number:<5} {state:<13} {exercise.title}")
+                state, once = states.get(number, "not checked"), passed.get(number)
+                when = f" (right {once.day}, try {once.tries})" if once else ""
+                print(f"  {number:<5} {state:<13} {exercise.title}{when}")
 
     def _judge(self, exercise: Exercise, answer: object) -> tuple[str, bool]:
         trial = prepare(exercise)
@@ -139,7 +161,8 @@ class Check:
                 verdict += " It cannot be stopped: restart the kernel"
             return verdict, False
         if is_untouched(trial):
-            return "not done yet", False
+            forgotten = gives_nothing_back(answer, trial)
+            return (f"not yet: {forgotten}" if forgotten else "not done yet"), False
         diagnosis = diagnose(trial)
         if diagnosis:
             return f"not yet: {diagnosis}", False

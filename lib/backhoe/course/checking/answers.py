@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import inspect
 import linecache
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -35,7 +36,8 @@ class Trial:
 
     `cases` are argument tuples; `references` what the reference gave for each, an exception where
     it raised; `outcomes` what the answer gave. A verdict is True, False or a diagnosis. `changed`
-    names an argument that the answer changed in place; `misuse` says why it could not be asked.
+    names an argument that the answer changed in place; `misuse` says why it could not be asked;
+    `printed` whether it wrote anything.
     """
 
     exercise: Exercise
@@ -45,6 +47,7 @@ class Trial:
     verdicts: list = field(default_factory=list)
     changed: str = ""
     misuse: str = ""
+    printed: bool = False
 
     @cached_property
     def right(self) -> list[object]:
@@ -105,6 +108,7 @@ def ask(answer: object, trial: Trial) -> Trial:
         trial.outcomes.append(outcome)
         trial.verdicts.append(_judge(exercise, outcome, reference, case))
         trial.changed = trial.changed or _changed(exercise, arguments, case)
+    trial.printed = getattr(sys.stdout, "printed", False)  # the stream of `guard`
     return trial
 
 

@@ -7,7 +7,9 @@ mistakes come before errors of form because a mistake may well be one of form.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
+from dis import get_instructions
 from functools import partial
 
 import numpy as np
@@ -25,6 +27,13 @@ from backhoe.course.checking.outcomes import (
     show,
 )
 from backhoe.course.checking.patterns import in_pieces, overall
+from backhoe.lessons.exercise import source_of
+
+_QUIET = (
+    *("RESUME", "NOP", "CACHE", "EXTENDED_ARG", "POP_TOP", "COPY", "SWAP", "MAKE_CELL"),
+    *("LOAD_", "STORE_FAST", "UNPACK_SEQUENCE", "BUILD_TUPLE", "RETURN_", "ROT_"),
+)
+"""Instructions of a stub, in any version of Python: names of arguments and constants."""
 
 
 def is_untouched(trial: Trial) -> bool:
@@ -34,6 +43,27 @@ def is_untouched(trial: Trial) -> bool:
         or (isinstance(outcome, Raised) and outcome.kind == "NotImplementedError")
         for outcome in trial.outcomes
     )
+
+
+def gives_nothing_back(answer: object, trial: Trial) -> str | None:
+    """What to say of a function that returns None though it does something; None for a stub.
+
+    A stub's body only takes its arguments apart: any other instruction is a student's.
+    """
+    if not all(isinstance(outcome, Blank) for outcome in trial.outcomes):
+        return None
+    if trial.printed:
+        return (
+            "it prints, but returns None: print only shows a value; give it back with return, "
+            "as the last line"
+        )
+    function = source_of(answer)
+    if not inspect.isfunction(function):
+        function = type(function).__call__
+    code = getattr(function, "__code__", None)
+    if code is None or all(one.opname.startswith(_QUIET) for one in get_instructions(code)):
+        return None
+    return "it computes something, but returns None: is `return` missing, or still `return None`?"
 
 
 def diagnose(trial: Trial) -> str | None:

@@ -123,7 +123,12 @@ def _relentless(thread: int) -> type[TimeUp]:
 
 
 class _Void(io.TextIOBase):
+    """Discards what is printed, and knows whether anything was."""
+
+    printed = False
+
     def write(self, text: str) -> int:
+        self.printed = True
         return len(text)
 
 

@@ -14,12 +14,12 @@ __all__ = ["FOLDER", "load", "names"]
 FOLDER = Path(__file__).resolve().parents[3] / "data" / "published"
 
 
-def names(folder: Path = FOLDER) -> tuple[str, ...]:
+def names(folder: Path | None = None) -> tuple[str, ...]:
     """Names that `load` accepts, sorted."""
-    return tuple(sorted(path.stem for path in Path(folder).glob("*.toml")))
+    return tuple(sorted(path.stem for path in Path(folder or FOLDER).glob("*.toml")))
 
 
-def load(name: str, folder: Path = FOLDER) -> dict:
+def load(name: str, folder: Path | None = None) -> dict:
     """One printed table or section.
 
     Args:
@@ -32,7 +32,7 @@ def load(name: str, folder: Path = FOLDER) -> dict:
     Raises:
         FileNotFoundError: there is no such file; the message names it and those that exist.
     """
-    path = Path(folder) / f"{name}.toml"
+    path = Path(folder or FOLDER) / f"{name}.toml"
     if not path.is_file():
         there = ", ".join(names(folder)) or "none (is this a full copy of the repository?)"
         raise FileNotFoundError(f"no published data {path}; there are: {there}")

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import instance, not_negative, number, numbers, positive
+from backhoe.basics.named import named, shown_by_name
 
 JOINTS = ("swing", "boom", "stick", "bucket")
 
@@ -211,6 +212,7 @@ class Shell:
         return self.struck_capacity + short**2 * (long / 4 - short / 12)
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class Machine:
     """One tracked backhoe; make a variant with `replace(BACKHOE, stick=replace(...))`.
@@ -292,78 +294,81 @@ class Machine:
         return self.tracks.mass + self.swing.mass + sum(link.mass for link in self.links)
 
 
-BACKHOE = Machine(
-    base=Base(height=1.1811, offset=0.4),
-    swing=Swing(
-        height=0.2756,
-        offset=0.6241,
-        mass=7018.4,
-        com_radius=0.0982,
-        com_angle=pi,
-        com_height=0.6,
-        inertia=10693.4,
-        joint=Joint(-pi, pi, speed=1.1, torque=80e3, viscous=2000.0, coulomb=1500.0),
-    ),
-    boom=Link(
-        length=5.1243,
-        angle_offset=radians(13.1),
-        mass=4293.5,
-        com_radius=1.9204,
-        com_angle=radians(26.7),
-        inertia=11704.6,
-        joint=Joint(
-            radians(-50), radians(60), speed=0.7, torque=420e3, viscous=8000.0, coulomb=4000.0
+BACKHOE = named(
+    "BACKHOE",
+    Machine(
+        base=Base(height=1.1811, offset=0.4),
+        swing=Swing(
+            height=0.2756,
+            offset=0.6241,
+            mass=7018.4,
+            com_radius=0.0982,
+            com_angle=pi,
+            com_height=0.6,
+            inertia=10693.4,
+            joint=Joint(-pi, pi, speed=1.1, torque=80e3, viscous=2000.0, coulomb=1500.0),
         ),
-    ),
-    stick=Link(
-        length=1.9129,
-        angle_offset=-radians(88.1),
-        mass=1151.2,
-        com_radius=0.7281,
-        com_angle=-radians(86.2),
-        inertia=921.0,
-        joint=Joint(
-            radians(-60), radians(60), speed=1.0, torque=220e3, viscous=3000.0, coulomb=2000.0
+        boom=Link(
+            length=5.1243,
+            angle_offset=radians(13.1),
+            mass=4293.5,
+            com_radius=1.9204,
+            com_angle=radians(26.7),
+            inertia=11704.6,
+            joint=Joint(
+                radians(-50), radians(60), speed=0.7, torque=420e3, viscous=8000.0, coulomb=4000.0
+            ),
         ),
-    ),
-    bucket=Link(
-        length=1.484,
-        angle_offset=-radians(104.1),
-        mass=531.5,
-        com_radius=0.8348,
-        com_angle=-radians(78.6),
-        inertia=130.7,
-        joint=Joint(
-            radians(-40), radians(120), speed=1.5, torque=130e3, viscous=1000.0, coulomb=800.0
+        stick=Link(
+            length=1.9129,
+            angle_offset=-radians(88.1),
+            mass=1151.2,
+            com_radius=0.7281,
+            com_angle=-radians(86.2),
+            inertia=921.0,
+            joint=Joint(
+                radians(-60), radians(60), speed=1.0, torque=220e3, viscous=3000.0, coulomb=2000.0
+            ),
         ),
-    ),
-    tracks=Tracks(
-        gauge=2.38,
-        length=3.65,
-        shoe_width=0.6,
-        height=0.85,
-        sprocket_radius=0.35,
-        max_speed=1.5,
-        acceleration=1.0,
-        mass=8500.0,
-        friction_longitudinal=0.8,
-        friction_lateral=0.6,
-        belt_mass=1300.0,
-        rolling_resistance=0.06,
-        max_traction=100e3,
-    ),
-    shell=Shell(
-        width=1.2,
-        plate=0.025,
-        profile=(
-            (0.0, 0.0),
-            (-0.30, 0.22),
-            (-0.62, 0.46),
-            (-0.90, 0.56),
-            (-1.16, 0.48),
-            (-1.30, 0.28),
-            (-1.34, 0.05),
+        bucket=Link(
+            length=1.484,
+            angle_offset=-radians(104.1),
+            mass=531.5,
+            com_radius=0.8348,
+            com_angle=-radians(78.6),
+            inertia=130.7,
+            joint=Joint(
+                radians(-40), radians(120), speed=1.5, torque=130e3, viscous=1000.0, coulomb=800.0
+            ),
         ),
+        tracks=Tracks(
+            gauge=2.38,
+            length=3.65,
+            shoe_width=0.6,
+            height=0.85,
+            sprocket_radius=0.35,
+            max_speed=1.5,
+            acceleration=1.0,
+            mass=8500.0,
+            friction_longitudinal=0.8,
+            friction_lateral=0.6,
+            belt_mass=1300.0,
+            rolling_resistance=0.06,
+            max_traction=100e3,
+        ),
+        shell=Shell(
+            width=1.2,
+            plate=0.025,
+            profile=(
+                (0.0, 0.0),
+                (-0.30, 0.22),
+                (-0.62, 0.46),
+                (-0.90, 0.56),
+                (-1.16, 0.48),
+                (-1.30, 0.28),
+                (-1.34, 0.05),
+            ),
+        ),
+        gravity=9.81,
     ),
-    gravity=9.81,
 )

@@ -89,11 +89,11 @@ class Practised(NamedTuple):
     costs: NDArray
 
 
-def practised(file: str | Path = FILE) -> dict[str, Practised]:
+def practised(file: str | Path | None = None) -> dict[str, Practised]:
     """The stored experiment: PI2, PoWER and CMA-ES on the demonstrated dig in sandy loam.
 
     Args:
-        file: as `tests/planning/write_practice.py` writes it.
+        file: as `tests/planning/write_practice.py` writes it; default `FILE`.
 
     Returns:
         Method -> parameters (seeds, 9) [m, rad] and costs (seeds, tries) [1].
@@ -101,7 +101,8 @@ def practised(file: str | Path = FILE) -> dict[str, Practised]:
     Raises:
         FileNotFoundError: there is no such file.
     """
-    rows = [line.split(",") for line in Path(file).read_text(encoding="utf-8").splitlines()]
+    file = FILE if file is None else Path(file)
+    rows = [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
     rows = [row for row in rows if not row[0].startswith(("#", "method"))]
     numbers = np.array([row[2:] for row in rows], dtype=float)
     found = {}

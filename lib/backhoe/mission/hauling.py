@@ -132,7 +132,7 @@ def level_way(
 
 
 def planned_swing(
-    way: Callable[..., NDArray] = level_way,
+    way: Callable[..., NDArray] | None = None,
     scene: Scene = LOADING,
     *,
     margin: float = 0.4,
@@ -141,7 +141,8 @@ def planned_swing(
     """The hand-made plan with another way from the heap to the truck, for `mission.run(plan=...)`.
 
     Args:
-        way: way(start, goal, world) -> joint angles from start to goal, shape (n, 4) [rad].
+        way: way(start, goal, world) -> joint angles from start to goal, shape (n, 4) [rad];
+            default `level_way`.
         scene: where the run will be.
         margin: that the movement keeps [m]; the world's `is_free` keeps 5 cm more.
         pace: share of the joints' speed limits that is used, above 0 to 1 [1].
@@ -154,6 +155,7 @@ def planned_swing(
         ValueError: a negative margin, pace out of range.
         TypeError: way cannot be called, scene is no Scene.
     """
+    way = level_way if way is None else way
     function(way, "way", "way(start, goal, world) -> joint angles (n, 4)")
     rounded, world = (arm_world(scene, margin=margin + more) for more in (0.0, SLACK))
     speed = number(pace, "pace", above=0.0, most=1.0) * BACKHOE.speed_limit

@@ -221,7 +221,10 @@ def smooth_trajectory(times: NDArray, q_way: NDArray, t: NDArray) -> tuple[NDArr
     return path(t), path.derivative()(t)
 
 
-def parts(table: Mapping[str, Part] = PARTS) -> str:
+def parts(table: Mapping[str, Part] | None = None) -> str:
     """Parts one a line, with call, meaning and lesson: those of `run`, or another table's."""
-    lines = (f"{part.call}\n    {part.meaning}; lesson {part.lesson}" for part in table.values())
+    lines = (
+        f"{part.call}\n    {part.meaning}; lesson {part.lesson}"
+        for part in (PARTS if table is None else table).values()
+    )
     return "\n".join(lines)

@@ -12,7 +12,7 @@ from backhoe.localisation.drives.files import FOLDER, MACHINE, names
 from backhoe.mission.recorded import drive_the_machine
 
 
-def write(folder: str | Path = FOLDER) -> list[Path]:
+def write(folder: str | Path | None = None) -> list[Path]:
     """Make all drives anew and write their files.
 
     Args:

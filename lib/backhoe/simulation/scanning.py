@@ -71,7 +71,7 @@ class Scanner:
 
     Args:
         world: with either backend.
-        lasers: by name.
+        lasers: by name; default `LASERS`.
         seed: of the noise of the ranges.
         sight: the scene, if it is open already.
     """
@@ -79,12 +79,12 @@ class Scanner:
     def __init__(
         self,
         world: World,
-        lasers: dict[str, Laser] = LASERS,
+        lasers: dict[str, Laser] | None = None,
         seed: int = 0,
         sight: Sight | None = None,
     ) -> None:
         self.sight = Sight(world) if sight is None else sight
-        self.lasers = dict(lasers)
+        self.lasers = dict(LASERS if lasers is None else lasers)
         self._world = world
         self._rng = np.random.default_rng(whole(seed, "seed", least=0))
         self._log = [(world.time, world.q.copy(), world.pose.copy())]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import instance, number, numbers, positive, whole
+from backhoe.basics.named import named, shown_by_name
 from backhoe.machine import Machine
 from backhoe.simulation.soil import Ground, Rock, SoilParameters, Terrain
 
@@ -98,6 +99,7 @@ class Truck:
         number(self.wall, "Truck.wall", "m", above=self.floor)
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class Scene:
     """A grid of `rows` x `columns` heights (y by x), `cell` [m] apart, with what lies on it.
@@ -182,21 +184,27 @@ def _bumps(x: NDArray, y: NDArray, rng: np.random.Generator) -> NDArray:
     return ROUGHNESS / 2 * (1 + waves / 8)
 
 
-LOADING = Scene(
-    corner=(-3.0, -6.4),
-    rows=175,
-    columns=161,
-    cell=0.08,
-    heaps=(Heap(x=6.0, y=0.0, height=1.0, radius=2.5),),
-    truck=Truck(x=0.8, y=5.3, bed_length=4.4, bed_width=2.4, floor=1.1, wall=1.9),
+LOADING = named(
+    "LOADING",
+    Scene(
+        corner=(-3.0, -6.4),
+        rows=175,
+        columns=161,
+        cell=0.08,
+        heaps=(Heap(x=6.0, y=0.0, height=1.0, radius=2.5),),
+        truck=Truck(x=0.8, y=5.3, bed_length=4.4, bed_width=2.4, floor=1.1, wall=1.9),
+    ),
 )
 """A spoil heap ahead and a truck on the left: what the tour digs and fills."""
 
-FLAT = Scene(corner=(-8.0, -8.0), rows=101, columns=101, cell=0.16)
+FLAT = named("FLAT", Scene(corner=(-8.0, -8.0), rows=101, columns=101, cell=0.16))
 """Nothing but flat ground."""
 
-GRADING = Scene(corner=(-3.0, -7.2), rows=181, columns=213, cell=0.08, bank=Bank(foot=(5.0, 0.0)))
+GRADING = named(
+    "GRADING",
+    Scene(corner=(-3.0, -7.2), rows=181, columns=213, cell=0.08, bank=Bank(foot=(5.0, 0.0))),
+)
 """A bank ahead, to be cut to a slope of 1:2, 6 m long; its foot is across the machine's way."""
 
-TRENCHING = Scene(corner=(-6.0, -6.8), rows=171, columns=213, cell=0.08)
+TRENCHING = named("TRENCHING", Scene(corner=(-6.0, -6.8), rows=171, columns=213, cell=0.08))
 """Level ground to dig a trench in."""

@@ -71,7 +71,7 @@ def follow(
     *,
     W: ArrayLike = 0.9,
     preferred: Callable | None = None,
-    solve: Callable = minimum_norm,
+    solve: Callable | None = None,
     lag: ArrayLike = 0.0,
     duration: float | None = None,
     fastest: float = FASTEST,
@@ -85,7 +85,8 @@ def follow(
         W: as for `wanted_velocity`.
         preferred: velocities for the null space, called as preferred(q), it returns (2 + joints,);
             zero if None: then the least velocities.
-        solve: of J v = b, called as solve(J, b, v0), it returns v (2 + joints,).
+        solve: of J v = b, called as solve(J, b, v0), it returns v (2 + joints,);
+            default `minimum_norm`.
         lag: of the drives as the controller knows it, shape () or (2 + joints,) [s]; 0 takes the
             velocities for those that were told, as the slides do.
         duration: how long [s]; default the path's.
@@ -99,6 +100,7 @@ def follow(
         TypeError: path, preferred or solve cannot be called.
     """
     robot, dt = plant.robot, plant.dt
+    solve = minimum_norm if solve is None else solve
     function(path, "path", _CALL), function(solve, "solve", _SOLVE)
     lag = lags(lag, robot)
     duration = positive(path.duration if duration is None else duration, "duration", "s")

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import kinematics
 from backhoe.basics.inputs import instance, not_negative, numbers, positive, short, whole
+from backhoe.basics.named import named, shown_by_name
 from backhoe.machine import BACKHOE as MACHINE
 from backhoe.machine import Machine
 
@@ -36,6 +37,7 @@ class Robot(Protocol):
         """Axes of the joints in the platform's frame, unit vectors, shape (..., 3, joints) [1]."""
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class SlidesRobot:
     """The slides' robot: an arm of three joints, `a` ahead of the axle's middle.
@@ -93,6 +95,7 @@ def _angles(q_arm: ArrayLike) -> NDArray:
     return numbers(q_arm, "q_arm", (..., 3), meaning="joints")
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class Excavator:
     """The backhoe as such a robot: tracks, four joints, and the tip of the bucket as its hand."""
@@ -116,8 +119,8 @@ class Excavator:
         return kinematics.jacobian(q_arm, machine=self.machine)[..., 3:, :]
 
 
-SLIDES = SlidesRobot()
-BACKHOE = Excavator()
+SLIDES = named("SLIDES", SlidesRobot())
+BACKHOE = named("BACKHOE", Excavator())
 
 
 def hand(q: ArrayLike, robot: Robot = BACKHOE) -> NDArray:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from backhoe import simulation
 from backhoe.arm.kinematics import inverse_kinematics
+from backhoe.basics.named import named
 from backhoe.machine.sensors import STEREO, sensor_pose
 from backhoe.perception.camera import Pair, Pinhole, calibrate, chessboard, rotation
 from backhoe.perception.picture import View, chessboard_pictures
@@ -39,11 +40,14 @@ __all__ = [
 _LENS = np.array([-0.28, 0.07, 0.0011, -0.0006, 0.0])
 _SIZE = (640, 480)
 
-PAIR = Pair(
-    Pinhole([[548, 0, 323], [0, 546, 237], [0, 0, 1]], _SIZE, _LENS),
-    Pinhole([[541, 0, 316], [0, 543, 245], [0, 0, 1]], _SIZE, 0.9 * _LENS),
-    rotation([0.012, -0.025, 0.015]),
-    np.array([-0.40, 0.006, -0.010]),
+PAIR = named(
+    "PAIR",
+    Pair(
+        Pinhole([[548, 0, 323], [0, 546, 237], [0, 0, 1]], _SIZE, _LENS),
+        Pinhole([[541, 0, 316], [0, 543, 245], [0, 0, 1]], _SIZE, 0.9 * _LENS),
+        rotation([0.012, -0.025, 0.015]),
+        np.array([-0.40, 0.006, -0.010]),
+    ),
 )
 
 COLUMNS, ROWS, SQUARE = 9, 6, 0.1

@@ -40,7 +40,7 @@ def names() -> tuple[str, ...]:
     return (MACHINE, *sorted((*SCENARIOS, *slipping)))
 
 
-def load(name: str, folder: str | Path = FOLDER) -> Recording:
+def load(name: str, folder: str | Path | None = None) -> Recording:
     """A drive from its files.
 
     Args:
@@ -57,7 +57,7 @@ def load(name: str, folder: str | Path = FOLDER) -> Recording:
     choice(name, "name", names())
     encoders, imu, truth = (
         _read(path, columns)
-        for path, columns in zip(_paths(name, Path(folder)), _COLUMNS, strict=True)
+        for path, columns in zip(_paths(name, Path(folder or FOLDER)), _COLUMNS, strict=True)
     )
     return from_log(encoders, imu, truth, name=name)
 
@@ -127,7 +127,7 @@ def _paths(name: str, folder: Path) -> tuple[Path, Path, Path]:
     return tuple(folder / f"{who}_{kind}.csv" for who, kind in zip(whose, _FILES, strict=True))
 
 
-def save(name: str, title: str, drive: Recording, folder: str | Path = FOLDER) -> list[Path]:
+def save(name: str, title: str, drive: Recording, folder: str | Path | None = None) -> list[Path]:
     """Write a drive's three files, but those of a scenario that are there for its other name.
 
     Args:
@@ -139,7 +139,7 @@ def save(name: str, title: str, drive: Recording, folder: str | Path = FOLDER) -
     Returns:
         The files written; a drive with slip shares the IMU and the truth of the one without.
     """
-    folder = Path(folder)
+    folder = Path(folder or FOLDER)
     folder.mkdir(parents=True, exist_ok=True)
     shares = name.endswith("_slip")
     written = list(zip(_FILES, _paths(name, folder), strict=True))[: 1 if shares else None]

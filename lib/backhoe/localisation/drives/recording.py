@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import not_negative, number, numbers, whole
+from backhoe.basics.named import named, shown_by_name
 from backhoe.localisation.drives.scenarios import SAMPLE_RATE, Truth, truth
 from backhoe.machine import BACKHOE, Machine
 
@@ -25,6 +26,7 @@ SLIPPING = 0.73
 """Share of the ideal turn rate that tracks give: ours, as measured on the simulated machine."""
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class Noise:
     """Variances of a sample, and the bias of the gyro.
@@ -47,7 +49,9 @@ class Noise:
             not_negative(getattr(self, field.name), f"Noise.{field.name}")
 
 
-NOISE = Noise(encoder=0.02, gyro=0.02, yaw=0.02, accelerometer=0.02, gyro_bias=0.002)
+NOISE = named(
+    "NOISE", Noise(encoder=0.02, gyro=0.02, yaw=0.02, accelerometer=0.02, gyro_bias=0.002)
+)
 """Mastalli 2013, section 4.6, covariance 0.02 in SI units; the gyro's bias (0.1 deg/s) is ours."""
 
 

@@ -71,8 +71,8 @@ class Strip(NamedTuple):
 def polar(
     terrain: object,
     pose: ArrayLike = (0.0, 0.0, 0.0),
-    directions: NDArray = DIRECTIONS,
-    reaches: NDArray = REACHES,
+    directions: ArrayLike | None = None,
+    reaches: ArrayLike | None = None,
 ) -> tuple[NDArray, NDArray]:
     """A map as it lies around the machine.
 
@@ -80,8 +80,8 @@ def polar(
         terrain: heights [m] with their `grid()`, and `variance` [m^2] if it has one: a
             `perception.terrain_map.TerrainMap`, or the true `simulation.soil.Terrain`.
         pose: x, y, heading of the machine in the map [m, rad].
-        directions: (n,) [rad].
-        reaches: (m,) [m].
+        directions: (n,) [rad]; default `DIRECTIONS`.
+        reaches: (m,) [m]; default `REACHES`.
 
     Returns:
         Heights and their standard deviations, each (n, m) [m], between the cells in proportion;
@@ -92,6 +92,8 @@ def polar(
     """
     from scipy.ndimage import map_coordinates
 
+    directions = DIRECTIONS if directions is None else directions
+    reaches = REACHES if reaches is None else reaches
     directions = inputs.numbers(directions, "directions", ("n",), meaning="angles [rad]")
     reaches = inputs.numbers(reaches, "reaches", ("m",), meaning="distances [m]")
     x, y, heading = inputs.numbers(pose, "pose", (3,), meaning="x, y, heading [m, rad]")

@@ -17,11 +17,11 @@ NUMBERS = (
 COLUMNS = ("fault", *COUNTED, *NUMBERS, "ended")
 
 
-def unattended(file: str | Path = FILE) -> list[dict[str, str | int | float]]:
+def unattended(file: str | Path | None = None) -> list[dict[str, str | int | float]]:
     """Missions in PyBullet, one a row: three buckets without a fault, two with one.
 
     Args:
-        file: as `tests/mission/autonomy/write_unattended.py` writes it.
+        file: as `tests/mission/autonomy/write_unattended.py` writes it; default `FILE`.
 
     Returns:
         Of each mission the values of `COLUMNS`; `fault` is "" for none, `stopped` 1 for a safe
@@ -30,7 +30,7 @@ def unattended(file: str | Path = FILE) -> list[dict[str, str | int | float]]:
     Raises:
         FileNotFoundError: there is no such file.
     """
-    with open(file, encoding="utf-8", newline="") as lines:
+    with open(FILE if file is None else file, encoding="utf-8", newline="") as lines:
         rows = list(csv.DictReader(lines))
     kinds = dict.fromkeys(COUNTED, int) | dict.fromkeys(NUMBERS, float)
     return [{name: kinds.get(name, str)(row[name]) for name in COLUMNS} for row in rows]

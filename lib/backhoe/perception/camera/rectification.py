@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import instance, number, numbers, short
+from backhoe.basics.named import shown_by_name
 from backhoe.perception.camera.pinhole import Pinhole
 from backhoe.perception.camera.rotations import rotation, rotation_vector
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class Pair:
     """Two cameras: p_right = R p_left + t, R (3, 3) [1], t (3,) [m].

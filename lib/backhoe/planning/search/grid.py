@@ -19,7 +19,7 @@ def best_first(
     start: Hashable,
     goal: Hashable,
     neighbours: Callable[[Hashable], Iterable[tuple[Hashable, float]]],
-    rest: Callable[[Hashable], float] = lambda node: 0.0,
+    rest: Callable[[Hashable], float] | None = None,
 ) -> tuple[list, float, dict]:
     """The cheapest way in a graph, if `rest` never says more than the way from a node really costs.
 
@@ -28,7 +28,7 @@ def best_first(
     Args:
         start, goal: nodes.
         neighbours: the nodes one edge away from a node, and what the edge costs, not below 0.
-        rest: a guess of the cost from a node to the goal.
+        rest: a guess of the cost from a node to the goal; 0 if None.
 
     Returns:
         The nodes of the way, its cost, and of each node that was expanded the one before it.
@@ -36,6 +36,7 @@ def best_first(
     Raises:
         NoPath: all that can be reached was reached, and the goal was not.
     """
+    rest = rest or (lambda node: 0.0)
     cost, before, expanded = {start: 0.0}, {start: None}, {}
     queue = [(rest(start), 0, start, 0.0)]
     pushed = 0

@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from math import pi, radians
 
 from backhoe.basics.inputs import choice, not_negative, number, positive
+from backhoe.basics.named import named, shown_by_name
 
 UNITS = {
     "density": "kg/m^3",
@@ -23,6 +24,7 @@ UNITS = {
 }
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class SoilParameters:
     """Strength and weight of a soil; the defaults are those of a moist sandy loam.
@@ -69,12 +71,20 @@ class SoilParameters:
                 )
 
 
-DRY_SAND = SoilParameters(1600.0, 0.0, radians(30), radians(17), 0.0, radians(34), 10e6)
-GRAVEL = SoilParameters(1520.0, 0.0, radians(38), radians(22), 0.0, radians(38), 30e6)
-SANDY_LOAM = SoilParameters()
-LOAM = SoilParameters(1530.0, 20e3, radians(20), radians(10), 0.0, radians(35), 12e6)
-CLAY_LOAM = SoilParameters(1430.0, 30e3, radians(10), radians(6), 0.0, radians(35), 24e6)
-STIFF_CLAY = SoilParameters(1800.0, 50e3, radians(20), radians(12), 30e3, radians(40), 48e6)
+DRY_SAND = named(
+    "DRY_SAND", SoilParameters(1600.0, 0.0, radians(30), radians(17), 0.0, radians(34), 10e6)
+)
+GRAVEL = named(
+    "GRAVEL", SoilParameters(1520.0, 0.0, radians(38), radians(22), 0.0, radians(38), 30e6)
+)
+SANDY_LOAM = named("SANDY_LOAM", SoilParameters())
+LOAM = named("LOAM", SoilParameters(1530.0, 20e3, radians(20), radians(10), 0.0, radians(35), 12e6))
+CLAY_LOAM = named(
+    "CLAY_LOAM", SoilParameters(1430.0, 30e3, radians(10), radians(6), 0.0, radians(35), 24e6)
+)
+STIFF_CLAY = named(
+    "STIFF_CLAY", SoilParameters(1800.0, 50e3, radians(20), radians(12), 30e3, radians(40), 48e6)
+)
 
 SOILS = {
     "dry sand": DRY_SAND,

@@ -10,8 +10,10 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from backhoe.basics.inputs import choice, not_negative, positive
+from backhoe.basics.named import named, shown_by_name
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class Motor:
     """A motor and its gearbox.
@@ -70,21 +72,24 @@ class Motor:
         return self.inductance / self.resistance
 
 
-WHEELCHAIR = Motor(
-    resistance=0.15,
-    inductance=0.1e-3,
-    torque_constant=0.055,
-    back_emf=0.055,
-    inertia=4.0e-4,
-    friction=2.0e-4,
-    gear=100.0,
-    voltage=24.0,
-    power=450.0,
+WHEELCHAIR = named(
+    "WHEELCHAIR",
+    Motor(
+        resistance=0.15,
+        inductance=0.1e-3,
+        torque_constant=0.055,
+        back_emf=0.055,
+        inertia=4.0e-4,
+        friction=2.0e-4,
+        gear=100.0,
+        voltage=24.0,
+        power=450.0,
+    ),
 )
 """The source's motor: 24 V, 450 W and n = 100 are its own, the rest is ours and usual for such a
 motor: 4130 rpm without load, 160 A held, 80 % efficient at 450 W and 23 A."""
 
-ROVER = replace(WHEELCHAIR, gear=32.0)
+ROVER = named("ROVER", replace(WHEELCHAIR, gear=32.0))
 """The same motor with the gear of a wheelchair (ours): n = 100 lets a Husky reach 0.7 m/s only."""
 
 

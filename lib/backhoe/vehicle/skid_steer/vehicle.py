@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backhoe.basics.inputs import not_negative, number, positive
+from backhoe.basics.named import named, shown_by_name
 
 WHEELS = ("front left", "front right", "rear left", "rear right")
 
@@ -24,6 +25,7 @@ DRIVEN = {"all": (1.0, 1.0, 1.0, 1.0), "front": (1.0, 1.0, 0.0, 0.0)}
 _MAY_BE_ZERO = ("clearance", "friction_longitudinal", "friction_lateral", "rolling", "lateral")
 
 
+@shown_by_name
 @dataclass(frozen=True)
 class Vehicle:
     """One skid-steer vehicle; make a variant with `replace(HUSKY, mass=70.0)`.
@@ -106,26 +108,29 @@ class Vehicle:
         return weight * np.array([self.rear, self.rear, self.front, self.front])
 
 
-HUSKY = Vehicle(
-    mass=56.582,
-    inertia=3.679,
-    wheel_radius=0.1651,
-    half_track=0.2854,
-    front=0.256,
-    rear=0.256,
-    wheel_mass=2.637,
-    wheel_inertia=0.04411,
-    wheel_width=0.1143,
-    body_length=0.9874,
-    body_width=0.4565,
-    body_height=0.2475,
-    clearance=0.13228,
-    friction_longitudinal=0.2,
-    friction_lateral=0.2,
-    smoothing=100.0,
-    rolling=0.0149,
-    lateral=0.0702,
-    speed_gain=8.0,
+HUSKY = named(
+    "HUSKY",
+    Vehicle(
+        mass=56.582,
+        inertia=3.679,
+        wheel_radius=0.1651,
+        half_track=0.2854,
+        front=0.256,
+        rear=0.256,
+        wheel_mass=2.637,
+        wheel_inertia=0.04411,
+        wheel_width=0.1143,
+        body_length=0.9874,
+        body_width=0.4565,
+        body_height=0.2475,
+        clearance=0.13228,
+        friction_longitudinal=0.2,
+        friction_lateral=0.2,
+        smoothing=100.0,
+        rolling=0.0149,
+        lateral=0.0702,
+        speed_gain=8.0,
+    ),
 )
 
 _PUBLIC = "public description of the Husky (ROS package husky_description)"

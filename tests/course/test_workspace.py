@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import threading
 
 import nbformat
 import pytest
@@ -182,6 +183,102 @@ def test_a_full_disk_leaves_what_was_there(course, copy, monkeypatch):
     with pytest.raises(OSError, match="No space"):
         workspace.update()
     assert files(copy) == before
+
+
+def test_a_read_only_folder_leaves_what_was_there_and_is_said(course, copy, monkeypatch):
+    before = files(copy)
+    publish(course)
+    (course / "notebooks" / "00_tour.ipynb").unlink()
+
+    def refuse(*arguments, **keywords):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(workspace.Path, "replace", refuse)
+    with pytest.raises(PermissionError):
+        workspace.update()
+    monkeypatch.undo()
+    assert files(copy) == before
+
+
+def test_two_updates_at_once_end_like_one(course, copy):
+    mine = edit(copy / "00_tour.ipynb")
+    for name in NAMES:
+        publish(course, name, "print('newer')\n" * 2000)
+    split(course)
+    folder, failed = course / "workspace", []
+
+    def run():
+        try:
+            workspace.update(folder)
+        except Exception as error:
+            failed.append(error)
+
+    updates = [threading.Thread(target=run) for _ in range(6)]
+    for one in updates:
+        one.start()
+    for one in updates:
+        one.join()
+    assert not failed
+    assert (copy / "00_tour.ipynb").read_bytes() == mine
+    assert source(copy / "00_tour.new.ipynb") == ("print('newer')\n" * 2000)
+    assert workspace.update() == []
+    assert set(files(copy)) == {
+        *("00_tour.ipynb", "00_tour.new.ipynb", "as_printed/01_arm.ipynb", "docs/machine.png"),
+        *("01a_frames.ipynb", "01b_inverse.ipynb", "old/01_arm.ipynb", workspace.RECORD),
+    }
+
+
+def split(course):
+    """The course has a chapter in two sittings now."""
+    (course / "notebooks" / "01_arm.ipynb").unlink()
+    publish(course, "01a_frames.ipynb")
+    publish(course, "01b_inverse.ipynb")
+
+
+def test_an_untouched_notebook_that_the_course_no_longer_has_is_put_aside(course, copy):
+    before = (copy / "01_arm.ipynb").read_bytes()
+    split(course)
+    assert workspace.update() == [
+        "01_arm.ipynb is no longer in the course; it is now old/01_arm.ipynb",
+        "new: 01a_frames.ipynb",
+        "new: 01b_inverse.ipynb",
+    ]
+    assert (copy / "old" / "01_arm.ipynb").read_bytes() == before
+    assert not (copy / "01_arm.ipynb").exists() and workspace.update() == []
+
+
+def test_an_edited_notebook_that_the_course_no_longer_has_stays(course, copy):
+    mine = edit(copy / "01_arm.ipynb")
+    split(course)
+    said = workspace.update()
+    assert said[0] == (
+        "01_arm.ipynb is yours and stays; the course has no notebook of that name any more"
+    )
+    assert (copy / "01_arm.ipynb").read_bytes() == mine and workspace.update() == []
+
+
+def test_what_is_put_aside_replaces_nothing_there(course, copy):
+    (copy / "old").mkdir()
+    (copy / "old" / "01_arm.ipynb").write_bytes(b"mine")
+    split(course)
+    assert workspace.update()[0].endswith("it is now old/01_arm.new.ipynb")
+    assert (copy / "old" / "01_arm.ipynb").read_bytes() == b"mine"
+
+
+def test_a_lesson_that_was_deleted_by_the_student_and_the_course_is_not_missed(course, copy):
+    (copy / "01_arm.ipynb").unlink()
+    split(course)
+    assert workspace.update() == ["new: 01a_frames.ipynb", "new: 01b_inverse.ipynb"]
+
+
+def test_an_older_courses_copy_without_a_record_keeps_all(course, copy):
+    (copy / workspace.RECORD).unlink()
+    mine = edit(copy / "00_tour.ipynb")
+    before = files(copy)
+    split(course)
+    workspace.update()
+    assert {name: files(copy)[name] for name in before} == before
+    assert (copy / "00_tour.ipynb").read_bytes() == mine
 
 
 def test_where_the_course_cannot_be_written_the_copy_is_in_the_home_folder(course, monkeypatch):

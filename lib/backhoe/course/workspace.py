@@ -12,6 +12,7 @@ import os
 from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from pathlib import Path
+from threading import get_ident
 
 RECORD = ".backhoe.json"
 """In a workspace: of each file that the course put there, the digest."""
@@ -47,7 +48,8 @@ def update(folder: str | Path | None = None) -> list[str]:
     """Bring the student's copy of the lessons up to date, or make it.
 
     Missing notebooks are added, those that nobody touched replaced. Where the student changed one
-    (running it counts), the course's newer version comes beside it, as `NAME.new.ipynb`.
+    (running it counts), the course's newer version comes beside it, as `NAME.new.ipynb`. What the
+    course no longer has stays where it was changed, and is moved into the folder `old` otherwise.
 
     Args:
         folder: the workspace; `default_folder()` if None.
@@ -61,7 +63,11 @@ def update(folder: str | Path | None = None) -> list[str]:
     folder = default_folder() if folder is None else Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     given, said = _record(folder)
-    for name, content in _lessons():
+    lessons = dict(_lessons())
+    for name in sorted(given.keys() - lessons):
+        said += _retire(folder, name, given.pop(name))
+        _write(folder / RECORD, json.dumps(given, indent=1).encode())
+    for name, content in lessons.items():
         place, digest = folder / name, _digest(content)
         there = _digest(place.read_bytes()) if place.exists() else None
         if there is not None and given.get(name) == digest:
@@ -145,8 +151,25 @@ def _record(folder: Path) -> tuple[dict[str, str], list[str]]:
     return {}, [f"the list of what was copied was damaged; it is now {aside.name}"]
 
 
-def _beside(place: Path, content: bytes) -> Path:
-    """A free name beside a notebook, or that of the same content."""
+def _retire(folder: Path, name: str, digest: str) -> list[str]:
+    """Put aside what the course no longer has; nothing is deleted."""
+    place = folder / name
+    try:
+        content = place.read_bytes()
+        if _digest(content) != digest:
+            return [f"{name} is yours and stays; the course has no notebook of that name any more"]
+        aside = _beside(folder / "old" / name, content, itself=True)
+        aside.parent.mkdir(parents=True, exist_ok=True)
+        place.replace(aside)
+    except FileNotFoundError:
+        return []
+    return [f"{name} is no longer in the course; it is now {aside.relative_to(folder).as_posix()}"]
+
+
+def _beside(place: Path, content: bytes, itself: bool = False) -> Path:
+    """A free name beside a notebook (or its own, if it may be), or that of the same content."""
+    if itself and not place.exists():
+        return place
     number = 0
     while True:
         number += 1
@@ -158,7 +181,7 @@ def _beside(place: Path, content: bytes) -> Path:
 def _write(place: Path, content: bytes) -> None:
     """The whole file or nothing of it, whatever happens meanwhile."""
     place.parent.mkdir(parents=True, exist_ok=True)
-    half = place.with_name(f".{place.name}.{os.getpid()}")
+    half = place.with_name(f".{place.name}.{os.getpid()}.{get_ident()}")
     try:
         with half.open("wb") as file:
             file.write(content)

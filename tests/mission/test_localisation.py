@@ -219,3 +219,63 @@ def test_the_list_of_parts_tells_both_calls():
     table = mission.parts(mission.DRIVE_PARTS)
     assert "odometry(pose, left, right, dt) -> pose" in table
     assert "localisation(left, right, yaw_rate, fix, dt) -> pose" in table
+
+
+class Claiming:
+    """Stands at the start and claims a covariance."""
+
+    def __init__(self, P):
+        self.P, self.heard = P, []
+
+    def reset(self, pose):
+        self.pose = pose
+
+    def __call__(self, left, right, yaw_rate, fix, dt):
+        self.heard.append(fix)
+        return self.pose
+
+
+def test_the_score_sets_errors_and_surprises_beside_what_is_claimed():
+    P = np.diag([0.04, 0.09, 0.01, 7.0])
+    mine = Claiming(P)
+    run = bend(localisation=mine, fixes=0.1, time_limit=1.0)
+    np.testing.assert_array_equal(run.claims, np.tile(P[:3, :3], (len(run.time), 1, 1)))
+    score = mission.score(run)
+    x, y, psi = (run.pose - run.estimate)[1:].T
+    expected = np.mean(x**2 / 0.04 + y**2 / 0.09 + psi**2 / 0.01)
+    assert score.nees == pytest.approx(expected, rel=1e-6)
+    assert score.claimed == pytest.approx(np.sqrt(0.13))
+    fixes = [fix for fix in mine.heard if fix is not None]
+    y = np.array(fixes) - run.estimate[0, :2]
+    expected = np.mean(y[:, 0] ** 2 / (0.04 + 0.02**2) + y[:, 1] ** 2 / (0.09 + 0.02**2))
+    assert score.nis == pytest.approx(expected, rel=1e-9)
+    assert len(mine.heard) == len(run.time) - 1, "nobody is asked twice"
+    assert "NEES, 3 if honest [1]" in str(score) and "NIS, 2 if honest [1]" in str(score)
+
+
+def test_a_filter_that_claims_too_much_or_too_little_is_seen_in_the_score():
+    scores = [
+        mission.score(bend(localisation=Claiming(k * np.eye(3)), fixes=1.0, time_limit=2.0))
+        for k in (0.0, 0.01, 1.0)
+    ]
+    sure, middle, modest = (score.nees for score in scores)
+    assert sure > 1e6 > 100 * middle > 9000 * modest > 0
+
+
+@pytest.mark.parametrize("P", [None, 3.0, "sure", np.eye(2), np.zeros((3, 4))])
+def test_a_localisation_without_a_covariance_has_no_claims(P):
+    run = bend(localisation=Claiming(P), fixes=0.2, time_limit=0.5)
+    score = mission.score(run)
+    assert np.isnan(score.nees) and np.isnan(score.nis) and len(run.surprises) == 0
+    assert str(score).splitlines()[-1].split()[-2] == "-"
+
+
+def test_the_replay_shows_where_the_machine_believes_to_be():
+    run = bend(localisation="library", fixes=1.0, record=True, time_limit=5.0)
+    recording = run.replay().recording
+    ghost = {node.name: node for node in recording.nodes}["belief"]
+    np.testing.assert_allclose(ghost.values[-1], run.estimate[-1])
+    assert len(recording.lines) == 2 + (len(run.pose) - 1) // 100, "path, belief and ellipses"
+    told_the_truth = bend(record=True, time_limit=0.5).replay().recording
+    assert "belief" not in {node.name for node in told_the_truth.nodes}
+    assert len(told_the_truth.lines) == 1

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,10 +36,15 @@ from backhoe.vehicle.tracking import (
 )
 from backhoe.vehicle.tracking.follow import tracker_name
 
+if TYPE_CHECKING:
+    from backhoe.view.replay.recording import Line
+
 LOOKAHEAD = 0.6
 """Of the library's tracker, pure pursuit [m]: ours, for this machine."""
 
 _PATH_COLOUR = (0.13, 0.35, 0.75, 1.0)
+_BELIEF_COLOUR = (0.9, 0.62, 0.0, 1.0)
+_ELLIPSE_EVERY = 100  # samples
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -49,13 +55,17 @@ class DriveRun(Follow, Record):
     without tracks; `margin` (n,) of its balance [m] and the `least` since the plant's start, None
     as well; `own_plant`, `fixes` [s], `seed`, `time_limit` [s] as `drive` was told. All of
     that and the `pose` is the truth. Where the machine took itself to be is in `estimates`, (n, 3)
-    [m, m, rad] by the estimator's name; empty if it was told the truth.
+    [m, m, rad] by the estimator's name; empty if it was told the truth. `claims` (n, 3, 3) is what
+    a localisation with an attribute `P` said of the pose's error, NaN without, and `surprises`
+    (fixes,) the NIS of each fix by that [1].
     """
 
     traction: NDArray | None
     margin: NDArray | None
     least: Least | None
     estimates: dict[str, NDArray]
+    claims: NDArray
+    surprises: NDArray
     own_plant: bool
     fixes: float | None
     seed: int
@@ -75,10 +85,29 @@ class DriveRun(Follow, Record):
     def _drawn(self) -> dict[str, object]:
         from backhoe.view.replay.recording import Line
 
-        points = self.path.points
-        line = Line(np.column_stack([points, np.full(len(points), 0.03)]), _PATH_COLOUR)
+        points, believed = self.path.points, self.estimate
+        lines = [Line(np.column_stack([points, np.full(len(points), 0.03)]), _PATH_COLOUR)]
         camera = _overview(np.vstack([points, self.pose[:, :2]]), self.machine)
-        return {"lines": (line,), "camera": camera}
+        if believed is None:
+            return {"lines": tuple(lines), "camera": camera}
+        flat = np.column_stack([believed[:, :2], np.full(len(believed), 0.06)])
+        lines += [Line(flat, _BELIEF_COLOUR), *_ellipses(self)]
+        return {"lines": tuple(lines), "camera": camera, "belief": (self.time, believed)}
+
+
+def _ellipses(run: DriveRun) -> list[Line]:
+    """Where the localisation claims to be, to 95 %, every two seconds; none without claims."""
+    from backhoe.localisation.kalman import ellipse
+    from backhoe.view.replay.recording import Line
+
+    found = []
+    for k in range(_ELLIPSE_EVERY, len(run.pose), _ELLIPSE_EVERY):
+        P = (run.claims[k, :2, :2] + run.claims[k, :2, :2].T) / 2
+        if np.isfinite(P).all() and np.linalg.eigvalsh(P).min() >= 0:
+            outline = ellipse(run.estimate[k, :2], P)
+            rim = np.column_stack([outline, np.full(len(outline), 0.06)])
+            found.append(Line(rim, _BELIEF_COLOUR))
+    return found
 
 
 class Watched:
@@ -217,6 +246,8 @@ def _drive(
         margin=None if margin[0] is None else np.array(margin),
         least=getattr(world, "least_margin", None),
         estimates={name: np.array(poses) for name, poses in estimates.items()},
+        claims=np.array(driven.claims if estimators else np.empty((0, 3, 3))),
+        surprises=np.array(driven.surprises if estimators else []),
         **kept,
     )
 

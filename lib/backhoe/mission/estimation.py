@@ -7,6 +7,7 @@ the library's; the tracker is told the pose that comes out.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from math import sqrt
 
 import numpy as np
@@ -29,6 +30,9 @@ class EstimatedPlant:
     Attributes:
         estimates: poses by the estimator's name, lists of (3,) [m, m, rad]; the last estimator's
             count.
+        claims: a list beside them with the covariance of the localisation's pose, (3, 3) each, NaN
+            where it has no attribute `P` that begins with x, y and heading.
+        surprises: NIS of each fix [1] by what the localisation claimed before it heard of it.
     """
 
     def __init__(
@@ -42,6 +46,8 @@ class EstimatedPlant:
         start = np.array(plant.pose)
         self._parts = {name: _started(name, parts[name], plant.machine, start) for name in parts}
         self.estimates = {name: [start] for name in parts}
+        self.claims = [_claim(self._parts.get("localisation"))]
+        self.surprises: list[float] = []
 
     def __getattr__(self, name: str) -> object:
         return getattr(self._plant, name)
@@ -59,10 +65,22 @@ class EstimatedPlant:
     def sense(self) -> None:
         """Read the sensors at the end of a sample."""
         left, right, *others = self._sensors()
+        if others[-1] is not None and np.isfinite(self.claims[-1]).all():
+            self.surprises.append(self._surprise(left, right, *others))
         for name, part in self._parts.items():
             poses = self.estimates[name]
             seen = (poses[-1], left, right) if name == "odometry" else (left, right, *others)
             poses.append(call_part(name, part, *seen, self.dt, shape=(3,)))
+        self.claims.append(_claim(self._parts.get("localisation")))
+
+    def _surprise(self, left: float, right: float, yaw_rate: float, fix: NDArray) -> float:
+        """NIS of a fix: a copy of the localisation that does not hear of it says where it is."""
+        from backhoe.localisation.fusion.fixes import STATION_STD
+
+        part = deepcopy(self._parts["localisation"])
+        pose = call_part("localisation", part, left, right, yaw_rate, None, self.dt, shape=(3,))
+        y, S = fix - pose[:2], _claim(part)[:2, :2] + STATION_STD**2 * np.eye(2)
+        return float(y @ np.linalg.solve(S, y))
 
     def _sensors(self) -> tuple[float, float, float, NDArray | None]:
         """Rates of the left and right sprocket and of the gyro [rad/s], and a fix (2,) [m]."""
@@ -89,3 +107,13 @@ def _started(name: str, part: Callable | str, machine: Machine, start: NDArray) 
     elif callable(getattr(part, "reset", None)):
         call_part(name, part.reset, start)
     return part
+
+
+def _claim(part: object) -> NDArray:
+    """Covariance of the pose by a localisation's `P`, shape (3, 3); NaN where it has none."""
+    try:
+        P = np.array(getattr(part, "P", None), dtype=float)
+    except (TypeError, ValueError):
+        P = np.array(np.nan)
+    usable = P.ndim == 2 and P.shape[0] == P.shape[1] >= 3
+    return P[:3, :3] if usable else np.full((3, 3), np.nan)

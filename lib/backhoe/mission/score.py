@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from backhoe import simulation
-from backhoe.basics.angles import wrap
+from backhoe.basics.angles import residual, wrap
 from backhoe.basics.inputs import instance
 from backhoe.machine import Machine
 from backhoe.mission.autonomy.report import AutonomyScore, scored
@@ -68,7 +68,9 @@ class DriveScore:
     times), `time` [s], `push` the root mean square of the tracks' forces [N] (NaN without tracks),
     `reached` whether it arrived. `position_error` [m] and `heading_error` [rad] are the root mean
     squares of its estimate's errors (NaN if it was told the truth), `margin` and `margin_time` as
-    in `Score` (NaN without tracks).
+    in `Score` (NaN without tracks). `claimed` is the place's standard deviation as the localisation
+    claims it [m], `nees` and `nis` how large the pose's errors and the fixes' surprises are by its
+    claims, on average 3 and 2 if it is honest [1]; NaN without claims.
     """
 
     distance: float
@@ -84,6 +86,9 @@ class DriveScore:
     heading_error: float = np.nan
     margin: float = np.nan
     margin_time: float = np.nan
+    claimed: float = np.nan
+    nees: float = np.nan
+    nis: float = np.nan
 
     def __str__(self) -> str:
         rows = [
@@ -103,7 +108,22 @@ class DriveScore:
                 ("believed place off [cm]", "{:.1f}", lambda s: off(100 * s.position_error)),
                 ("believed heading [deg]", "{:.1f}", lambda s: off(np.degrees(s.heading_error))),
             ]
+        for score in (self, self.reference):
+            if score is not None and not np.isnan(score.nees):
+                rows += _CLAIMS
+                break
         return table(self, rows)
+
+
+def _if_any(value: float, form: str) -> str:
+    return "-" if np.isnan(value) else format(value, form)
+
+
+_CLAIMS = [
+    ("claimed sigma [cm]", "{}", lambda score: _if_any(100 * score.claimed, ".1f")),
+    ("NEES, 3 if honest [1]", "{}", lambda score: _if_any(score.nees, ".2g")),
+    ("NIS, 2 if honest [1]", "{}", lambda score: _if_any(score.nis, ".2g")),
+]
 
 
 @dataclass(frozen=True)
@@ -186,6 +206,7 @@ def _measure_drive(run: DriveRun) -> DriveScore:
         reached=run.reached,
         swapped=run.swapped,
         **_estimate_errors(run),
+        **_claims(run),
         **(
             {} if run.least is None else {"margin": run.least.margin, "margin_time": run.least.time}
         ),
@@ -200,6 +221,24 @@ def _estimate_errors(run: DriveRun) -> dict[str, float]:
     return {
         "position_error": float(np.sqrt(np.mean(x**2 + y**2))),
         "heading_error": float(np.sqrt(np.mean(wrap(heading) ** 2))),
+    }
+
+
+def _claims(run: DriveRun) -> dict[str, float]:
+    """What a localisation claims of its place [m], and NEES and NIS by that.
+
+    Nobody knows a pose better than to a micrometre: so a claim of zero has a NEES as well.
+    """
+    claims = run.claims[1:]
+    if not np.isfinite(claims).any():
+        return {}
+    P = (claims + np.swapaxes(claims, 1, 2)) / 2 + 1e-12 * np.eye(3)
+    e = residual(run.pose, run.estimate, (2,))[1:]
+    place = np.maximum(claims[:, 0, 0] + claims[:, 1, 1], 0.0)
+    return {
+        "claimed": float(np.sqrt(np.mean(place))),
+        "nees": float(np.mean(np.sum(e * np.linalg.solve(P, e[..., None])[..., 0], axis=1))),
+        "nis": float(np.mean(run.surprises)) if len(run.surprises) else np.nan,
     }
 
 

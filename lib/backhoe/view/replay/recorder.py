@@ -67,6 +67,7 @@ class Recorder:
         lines: tuple[Line, ...] = (),
         poster: float | None = None,
         camera: tuple[ArrayLike, ArrayLike] | None = None,
+        belief: tuple[ArrayLike, ArrayLike] | None = None,
     ) -> Replay:
         """What was recorded so far, the present moment included.
 
@@ -76,6 +77,8 @@ class Recorder:
             lines: fixed lines to draw in the world, such as a planned path.
             poster: time of the frame shown before playing [s]; the first one if None.
             camera: eye and target at first, in the world, shape (3,) each [m]; None for near by.
+            belief: where the machine believes to be, shown as the outline of its tracks on the
+                ground: times (n,) [s] and poses (n, 3) [m, m, rad]; None for no outline.
 
         Raises:
             ValueError: nothing was recorded, title or alt are empty, or camera is malformed.
@@ -107,6 +110,12 @@ class Recorder:
             lines=lines,
             labels=tuple(self._labels),
         )
+        if belief is not None:
+            times, poses = np.asarray(belief[0], float), np.asarray(belief[1], float)
+            columns = (poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2]))
+            shown = np.column_stack([np.interp(self._times, times, one) for one in columns])
+            ghost = stage.belief_node(shown, self.world.machine)
+            recording = replace(recording, nodes=(*recording.nodes, ghost))
         return Replay(_seen_from(camera, recording), title=title, alt=alt, poster=poster)
 
     def _keep(self, time: float) -> None:

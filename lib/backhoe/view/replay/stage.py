@@ -24,6 +24,7 @@ BASE = "undercarriage"
 ROVER = "rover"
 TIP = "bucket"
 SOIL = (0.43, 0.30, 0.19, 1.0)
+BELIEF = (0.9, 0.62, 0.0, 1.0)
 
 
 def machine_nodes(
@@ -51,6 +52,28 @@ def machine_nodes(
             meshes += (load_in_bucket(machine.shell),)
         nodes.append(Node(name, nodes[-1].name, "revolute", q[:, i], before[i], after[i], meshes))
     return tuple(nodes)
+
+
+def belief_node(poses: ArrayLike, machine: Machine) -> Node:
+    """The outline of the tracks on the ground, and an arrow ahead, where it believes to be.
+
+    Args:
+        poses: x, y [m] and yaw [rad], shape (frames, 3).
+        machine: its tracks.
+    """
+    tracks = machine.tracks
+    half, wide, rim = tracks.length / 2, (tracks.gauge + tracks.shoe_width) / 2, 0.12
+    corners = np.array([(half, wide), (-half, wide), (-half, -wide), (half, -wide)])
+    inner = corners - rim * np.sign(corners)
+    arrow = np.array([(half, 0.5), (half, -0.5), (half + 0.9, 0.0)])
+    flat = np.concatenate([corners, inner, arrow])
+    ring = [(i, (i + 1) % 4, 4 + i) for i in range(4)]
+    ring += [((i + 1) % 4, 4 + (i + 1) % 4, 4 + i) for i in range(4)]
+    faces = np.array([*ring, (8, 10, 9)])
+    faces = np.concatenate([faces, faces[:, ::-1]])  # seen from both sides
+    vertices = np.column_stack([flat, np.full(len(flat), 0.08)])
+    mesh = Mesh(vertices, faces, BELIEF)
+    return Node("belief", None, "planar", np.asarray(poses, dtype=float), meshes=(mesh,))
 
 
 def strut_nodes(q: ArrayLike, machine: Machine) -> tuple[Node, ...]:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 from myst_nb.core.render import NbElementRenderer
 
+from backhoe.course.folding import fold
+
 project = "Backhoe"
 author = "the Backhoe maintainers"
 project_copyright = "the Backhoe maintainers, CC BY 4.0"
@@ -70,3 +72,4 @@ def _with_replay(app, name, source):
 def setup(app):
     NbElementRenderer.render_image = _render_image_with_text
     app.connect("source-read", _with_replay)
+    app.connect("doctree-read", fold)

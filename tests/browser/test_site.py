@@ -117,8 +117,24 @@ def test_every_lesson_is_a_click_away_from_the_start(visit):
         assert page.locator("article h1").count() == 1
 
 
+def test_an_answer_is_behind_a_button_that_the_keyboard_reaches_and_on_paper(visit):
+    page = visit("00_tour.html")
+    answer = page.locator(".answer-text").first
+    assert not answer.is_visible()
+    assert page.locator(".answer-button").count() == page.locator(".answer-text").count() >= 3
+    page.locator(".answer-box").first.focus()
+    page.keyboard.press("Space")
+    assert answer.is_visible()
+    page.keyboard.press("Space")
+    assert not answer.is_visible()
+    page.emulate_media(media="print")
+    assert all(one.is_visible() for one in page.locator(".answer-text").all())
+
+
 def test_replay_plays(visit):
     page = visit("00_tour.html")
+    for box in page.locator(".answer-box").all():
+        box.check(force=True)
     frame = page.locator("iframe").first
     frame.scroll_into_view_if_needed()
     player = frame.content_frame

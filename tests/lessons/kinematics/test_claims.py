@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from backhoe import mission
 from backhoe.arm import kinematics
 from backhoe.lessons.kinematics import printed
 from backhoe.lessons.kinematics.exercises import posture
@@ -128,3 +129,13 @@ def test_without_b0_the_bucket_reaches_40_cm_too_far():
     at_the_origin = replace(BACKHOE, base=replace(BACKHOE.base, offset=0.0))
     q = kinematics.inverse_kinematics([6.7, 0.0, 4.2, 1.0], machine=at_the_origin, limits=False)
     np.testing.assert_allclose(kinematics.pose(q), [7.1, 0.0, 4.2, 1.0], atol=0.01)
+
+
+def test_a_plain_arctangent_tips_on_the_wrong_side_of_the_machine():
+    targets = np.array([p.target for p in mission.hand_made_plan(0, over_truck=(1.6, -5.5, 3.9))])
+    q = kinematics.inverse_kinematics(targets)
+    with np.errstate(divide="ignore"):
+        q[:, 0] = np.arctan(-(targets[:, 0] - BACKHOE.base.offset) / targets[:, 1])
+    off = np.linalg.norm(kinematics.pose(q)[:, :3] - targets[:, :3], axis=1)
+    assert off.mean() == pytest.approx(4.2, abs=0.1)
+    assert (kinematics.pose(q)[off > 1, 1] > 5).all() and (targets[off > 1, 1] < -5).all()

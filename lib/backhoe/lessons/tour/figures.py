@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from backhoe.view.plots.style import COLOURS, figure, styled
+from backhoe.view.plots.style import BROWN, LINK_COLOURS, figure, styled
 
 
 @styled
@@ -15,8 +15,8 @@ def soil(time: ArrayLike, bucket_volume: ArrayLike, truck_volume: ArrayLike) -> 
         bucket_volume, truck_volume: shape (n,) [m^3].
     """
     fig, ax = figure(6.8, 3.2)
-    ax.plot(time, truck_volume, color=COLOURS[0], label="in the truck")
-    ax.plot(time, bucket_volume, color=COLOURS[3], label="in the bucket")
+    ax.plot(time, truck_volume, color=BROWN, ls="-.", label="in the truck")
+    ax.plot(time, bucket_volume, color=LINK_COLOURS["bucket"], label="in the bucket")
     ax.set(xlabel="time [s]", ylabel="volume of soil [m^3]")
     ax.legend(loc="upper left")
     return fig

@@ -48,7 +48,7 @@ def _slope_swapped(target: NDArray) -> NDArray:
     q = inverse_kinematics(target)
     k = np.hypot(target[0] - BACKHOE.base.offset, target[1]) - BACKHOE.swing.offset
     h = target[2] - _HEIGHT
-    return q + [0.0, np.arctan2(k, h) - np.arctan2(h, k), 0.0, 0.0]
+    return np.add(q, [0.0, np.arctan2(k, h) - np.arctan2(h, k), 0.0, 0.0])
 
 
 def _swing_by(angle: Callable[[float, float], float]) -> Callable[[NDArray], NDArray]:

@@ -15,6 +15,7 @@ from backhoe.basics.inputs import numbers
 from backhoe.view.plots.style import (
     BLUE,
     DARK,
+    GREEN,
     GREY,
     ORANGE,
     PALE,
@@ -40,8 +41,8 @@ def contacts(
 ) -> Figure:
     """Vehicles side by side from above, with the velocities of their contact points on the ground.
 
-    Blue is what a wheel can roll, red what it must slip: all that passes across it, and along it as
-    much as its own speed differs from that of the ground under it.
+    Blue is what a wheel can roll, red and dashed what it must slip: all that passes across it, and
+    along it as much as its own speed differs from that of the ground under it.
 
     Args:
         cases: title -> twist of the centre of mass, v_x, v_y [m/s] and omega [rad/s], shape (3,).
@@ -100,7 +101,7 @@ def friction_laws(laws: Mapping[str, ArrayLike], speed: ArrayLike, reach: float)
     fig.legend(loc="outside lower center", ncols=2, fontsize=9)
     fast = speed > 0
     ratio = np.asarray(laws["linear"])[fast] / np.asarray(laws["smooth"])[fast]
-    right.plot(speed[fast], ratio, color=DARK)
+    right.plot(speed[fast], ratio, color=GREEN)
     right.set(xlabel="sliding speed [m/s]", ylabel="linear over smooth [1]", xlim=(0, None))
     right.text(1.3 * reach, 0.93 * ratio.max(), f"shaded: up to {1e3 * reach:.0f} mm/s", size=10)
     left.axvspan(-reach, reach, color=PALE, zorder=0)
@@ -137,9 +138,9 @@ def _velocities(
         if not slip_only:
             _arrow(ax, point, point + scale * over_ground, DARK, "moves over the ground")
     if centre is not None:
-        marker = {"marker": "P", "color": ORANGE, "mec": DARK, "ms": 11, "ls": ""}
+        marker = {"marker": "P", "color": ORANGE, "mec": GREY, "ms": 11, "ls": ""}
         ax.plot(*centre, **marker, label="centre of rotation", zorder=6)
-    ax.plot(0, 0, "o", color=DARK, ms=5, zorder=6)
+    ax.plot(0, 0, "o", color=GREY, ms=5, zorder=6)
 
 
 def _arrow(ax: Axes, start: NDArray, end: NDArray, colour: str, label: str) -> None:
@@ -147,9 +148,11 @@ def _arrow(ax: Axes, start: NDArray, end: NDArray, colour: str, label: str) -> N
     if np.hypot(*(end - start)) < 0.01:
         return
     width = 1.6 if colour == DARK else 2.6
+    dashes = (0, (2.2, 0.7)) if colour == RED else "-"
     style = {"arrowstyle": "-|>", "color": colour, "lw": width, "shrinkA": 0, "shrinkB": 0}
+    style["ls"] = dashes
     ax.annotate("", end, start, arrowprops=style, zorder=5 if colour == DARK else 4)
-    ax.plot([], [], color=colour, lw=width, label=label)
+    ax.plot([], [], color=colour, lw=width, ls=dashes, label=label)
 
 
 def _body(ax: Axes, pose: ArrayLike, vehicle: Vehicle) -> None:
@@ -162,4 +165,4 @@ def _body(ax: Axes, pose: ArrayLike, vehicle: Vehicle) -> None:
     tyre = corners * (vehicle.wheel_radius, vehicle.wheel_width / 2)
     for point in _wheels(vehicle):
         outline = (tyre + point) @ R.T + (x, y)
-        ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=DARK, zorder=2.5))
+        ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=GREY, zorder=2.5))

@@ -60,6 +60,15 @@ GRAMMAR = {
         "Runge-Kutta": (PURPLE, "^"),
         "exact arc": (BLUE, "o"),
     },
+    "robots on wheels": {
+        "linear model": (SKY, "v"),
+        "loose wheels": (ORANGE, "s"),
+        "stiff wheels": (BLUE, "o"),
+        "faster rims": (GREEN, "^"),
+        "all driven": (PURPLE, "P"),
+        "front driven": (RED, "D"),
+    },
+    "tracks": {"left track": (ORANGE, "s"), "right track": (BLUE, "o")},
     "filters": {
         "odometry": (ORANGE, "v"),
         "EKF": (BLUE, "o"),

@@ -58,6 +58,21 @@ RATES = Exercise(
         "a lever is a distance to the middle: a, not the whole wheelbase": (
             _times(lambda p: (1, 1, 1, 4))
         ),
+        "that adds drive and drag for the drive: return the two parts": (
+            lambda vehicle: np.dot(
+                rates(vehicle), ((1, 0, 0, 0), (1, 1, 0, 0), (0, 0, 1, 0), (0, 0, 1, 1))
+            )
+        ),
+        "one wheel does not push alone: four of them do": _times(lambda p: (0.25, 1, 0.25, 1)),
+        "rates of decay are positive: drag brakes by its minus in the model": (
+            _times(lambda p: (-1, -1, -1, -1))
+        ),
+        "the order is what drives and what drags v, then the same of omega": (
+            lambda vehicle: np.array(rates(vehicle))[[0, 2, 1, 3]]
+        ),
+        "the r are right, but two wheels push, and the turning drag is still a force": (
+            _times(lambda p: (0.5, 1, 0.5, p.half_track / p.front**2))
+        ),
         "half the track is the lever of a push, not all of it": _times(lambda p: (1, 1, 4, 1)),
         "the slip has its a, the lever is missing: a force where a torque belongs": (
             _times(lambda p: (1, 1, 1, 1 / p.front))

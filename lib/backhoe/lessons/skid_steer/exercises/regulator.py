@@ -103,6 +103,26 @@ def _asks_the_old(error: NDArray, dt: float, kp: float, ki: float, limit: float)
     return np.clip(kp * error + [*accumulate(error, add, initial=0.0)][1:], -limit, limit)
 
 
+def _waits_above(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+    def add(integral: float, e: float) -> float:
+        fits = kp * e + integral + ki * dt * e <= limit
+        return integral + ki * dt * e if fits else integral
+
+    return np.clip(kp * error + [*accumulate(error, add, initial=0.0)][1:], -limit, limit)
+
+
+def _within(low: float, high: float) -> Callable[..., NDArray]:
+    """An integral that is cut to shares of the limit by itself."""
+
+    def outputs(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
+        def add(integral: float, e: float) -> float:
+            return np.clip(integral + ki * dt * e, low * limit, high * limit)
+
+        return np.clip(kp * error + [*accumulate(error, add, initial=0.0)][1:], -limit, limit)
+
+    return outputs
+
+
 def _unclipped(error: NDArray, dt: float, kp: float, ki: float, limit: float) -> NDArray:
     def add(integral: float, e: float) -> float:
         fits = abs(kp * e + integral + ki * dt * e) <= limit
@@ -163,10 +183,21 @@ SAMPLED_PI = Exercise(
             lambda error, dt, kp, ki, limit: sampled_pi(error, dt, kp, 0.0, limit)
         ),
         "the P leaves the limits beside an integral that waits: clip the sum": (_unclipped),
+        "the integral waits at the upper limit only: there is one below, too": _waits_above,
+        "the output is cut at the upper limit only, and the integral winds up": (
+            lambda error, dt, kp, ki, limit: np.minimum(
+                kp * error + ki * dt * np.cumsum(error), limit
+            )
+        ),
+        "the integral is limited by itself to half of the range: it is P + I that must fit": (
+            _within(-0.5, 0.5)
+        ),
+        "the integral may be negative: it unwinds, and the motor brakes": _within(0.0, 1.0),
         **{
             text + beside: slip
-            for beside, rule in RULES.items()
+            for beside, rule in (RULES | {" (and it winds up)": _winds_up}).items()
             for text, slip in _slips(rule).items()
+            if rule is not _winds_up or "forgets" not in text
         },
     },
     hints=(

@@ -55,6 +55,12 @@ TRACTIONS = Exercise(
         "the lever multiplies the moment: a longer one needs less force": (
             _lever(lambda gauge: 1 / gauge)
         ),
+        "each track gets the whole force; and a moment is no force: divide by the gauge": (
+            lambda force, moment, gauge: tractions(2 * force, moment, 1.0)
+        ),
+        "each track gets the whole force, and the lever multiplies the moment": (
+            lambda force, moment, gauge: tractions(2 * force, moment, 2 / gauge)
+        ),
         "a track that pulls back has a negative force": lambda *wish: np.abs(tractions(*wish)),
         "only the moment is shared out: half of the force goes to each track as well": (
             lambda force, moment, gauge: tractions(0.0, moment, gauge)
@@ -142,6 +148,20 @@ LIMITED = Exercise(
         ),
         "what is left goes below zero: cut the turn first, then see what it leaves": (
             _left_of_the_wish
+        ),
+        "the speed gets all that is left, even where it asks for less": (
+            lambda u_v, u_omega, limit: limited(9 * limit, u_omega, limit)
+        ),
+        "backwards is a wish, too: what is left goes from minus to plus": (
+            lambda u_v, u_omega, limit: limited(max(u_v, 0.0), u_omega, limit)
+        ),
+        "these are the tracks, each cut alone: u_v and u_omega are asked, the turn first": (
+            lambda u_v, u_omega, limit: np.clip([u_v - u_omega, u_v + u_omega], -limit, limit)
+        ),
+        "what is left is limit - |turn given|, and not limit - turn wanted": (
+            lambda u_v, u_omega, limit: np.array(
+                [np.clip(u_v, u_omega - limit, limit - u_omega), np.clip(u_omega, -limit, limit)]
+            )
         ),
         "the speed is dropped where it does not fit: it may have what is left": _all_or_nothing,
         "the speed gets nothing at all: it may have what the turn leaves": (

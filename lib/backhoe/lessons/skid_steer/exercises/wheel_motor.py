@@ -99,6 +99,15 @@ GEARED = Exercise(
         ),
         "what comes in is divided by n^2 as if it were a load: n once": _at_the_rotor(end=1 / _N),
         "it starts from rest each time: E times the speed that it had": _at_the_rotor(start=0.0),
+        "the load torque acts at the wheel already: it is not divided by n there": (
+            lambda speed, voltage, torque, *rest: geared_step(speed, voltage, torque / _N, *rest)
+        ),
+        "the load torque is missing": (
+            lambda speed, voltage, torque, *rest: geared_step(speed, voltage, 0.0, *rest)
+        ),
+        "the motor's torque arrives n times as large at the wheel: n K_m / R for each volt": (
+            lambda speed, voltage, *rest: geared_step(speed, voltage / _N, *rest)
+        ),
         "the friction of the motor is missing": _other(friction=0.0),
         "the back-EMF is missing: speed makes a voltage against you": _other(back_emf=1e-12),
         "the torque constant enters twice, and the gear once: n K_m / R for each volt": (

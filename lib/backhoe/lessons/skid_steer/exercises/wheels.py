@@ -61,6 +61,18 @@ WHEELS = Exercise(
         "c comes in the wrong way: the farther out, the faster, so multiply omega by it": (
             partial(wheel_speeds, half_track=1 / _C)
         ),
+        "only the speed is divided by r: brackets round v -+ c omega": (
+            lambda twist: wheel_speeds(twist * np.array([1, _R]))
+        ),
+        "half the track is halved into c already: the sides are not halved again": (
+            lambda twist: wheel_speeds(twist) / 2
+        ),
+        "one side keeps v and the other has all of the turn: the middle has v, not a side": (
+            lambda twist: wheel_speeds(twist) + _C * twist[1] / _R
+        ),
+        "both sides have the turn alone: v is missing": (
+            lambda twist: wheel_speeds(twist * np.array([0, 1]))
+        ),
         "a wheel that runs backwards has a negative speed": (
             lambda twist: np.abs(wheel_speeds(twist))
         ),
@@ -136,6 +148,22 @@ SIDE_SLIP = Exercise(
         "front and rear slip to opposite sides: keep the signs, to the left is positive": (
             lambda *turn: np.abs(side_slip(*turn))
         ),
+        "x_ICR is on the other side for the rear: the distance to the centre is -b - x_ICR": (
+            lambda omega, x_icr, vehicle: (
+                side_slip(omega, x_icr, vehicle) + np.array([0, 2 * x_icr * omega])
+            )
+        ),
+        "x_ICR is no speed: the centre of mass moves sideways with -x_ICR omega": (
+            lambda omega, x_icr, vehicle: side_slip(omega, 0.0, vehicle) - x_icr
+        ),
+        "the rear wheels slip to the other side: theirs is -b - x_ICR, times omega": (
+            lambda *turn: side_slip(*turn) * np.array([1, -1])
+        ),
+        "the rear axle is vehicle.rear behind, not vehicle.front": (
+            lambda omega, x_icr, vehicle: side_slip(
+                omega, x_icr, replace(HUSKY, front=vehicle.front, rear=vehicle.front)
+            )
+        ),
         "to the left is positive: v_y + omega x, with this sign": lambda *turn: -side_slip(*turn),
         "only the one axle moves with the centre of mass: v_y counts for both": (
             lambda omega, x_icr, vehicle: (
@@ -169,12 +197,6 @@ def _records(rng: np.random.Generator) -> list[tuple]:
 def _sum_of(weight: Callable[[NDArray], object]) -> Callable[..., float]:
     """The half track from a sum, in which the samples have other weights than a trapezoid's."""
     return lambda t, left, right, turn: float(_R * np.sum((right - left) * weight(t)) / (2 * turn))
-
-
-def _simpson(t: NDArray, left: NDArray, right: NDArray, turn: float) -> float:
-    from scipy.integrate import simpson
-
-    return float(_R * simpson(right - left, x=t) / (2 * turn))
 
 
 _UNEVEN = "one step for all samples: they are not even, and the first and last count half"
@@ -216,9 +238,17 @@ HALF_TRACK = Exercise(
         "each step runs with the speed at its end: take the mean of both ends, np.trapezoid": (
             _sum_of(lambda t: np.append(0, np.diff(t)))
         ),
-        "that lays parabolas: the speeds run straight from sample to sample": _simpson,
         "the times are not used: np.trapezoid(values, t)": (
             lambda t, *spin: effective_half_track(np.arange(len(t)), *spin)
+        ),
+        "/ 2 * turn multiplies by the turn: brackets round 2 turn": (
+            lambda *spin: effective_half_track(*spin) * spin[3] ** 2
+        ),
+        "that is what it has more than the drawing: all of it is asked": (
+            lambda *spin: effective_half_track(*spin) - _C
+        ),
+        "that takes the last speeds for all of the time: integrate them": (
+            lambda t, left, right, turn: _R * (right - left)[-1] * (t[-1] - t[0]) / (2 * turn)
         ),
         "the turn is in radians already": (
             lambda *spin: effective_half_track(*spin[:3], np.degrees(spin[3]))

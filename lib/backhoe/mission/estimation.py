@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from copy import deepcopy
+from itertools import pairwise
 from math import sqrt
 
 import numpy as np
@@ -16,6 +17,9 @@ from numpy.typing import NDArray
 from backhoe.localisation.drives import NOISE
 from backhoe.machine import Machine
 from backhoe.mission.calls import call_part, reset
+
+LONG = (15, 40, 25)
+"""Samples that a long step of an odometry takes, in turn."""
 
 
 class EstimatedPlant:
@@ -33,6 +37,7 @@ class EstimatedPlant:
         claims: a list beside them with the covariance of the localisation's pose, (3, 3) each, NaN
             where it has no attribute `P` that begins with x, y and heading.
         surprises: NIS of each fix [1] by what the localisation claimed before it heard of it.
+        rates: of the left and right sprocket in each sample, without noise, (2,) [rad/s].
     """
 
     def __init__(
@@ -45,7 +50,7 @@ class EstimatedPlant:
         self._next_fix = plant.time if fixes is None else plant.time + fixes
         start = np.array(plant.pose)
         self._parts = {name: _started(name, parts[name], plant.machine, start) for name in parts}
-        self.estimates = {name: [start] for name in parts}
+        self.estimates, self.rates = {name: [start] for name in parts}, []
         self.claims = [_claim(self._parts.get("localisation"))]
         self.surprises: list[float] = []
 
@@ -85,7 +90,8 @@ class EstimatedPlant:
     def _sensors(self) -> tuple[float, float, float, NDArray | None]:
         """Rates of the left and right sprocket and of the gyro [rad/s], and a fix (2,) [m]."""
         noise = self._rng.standard_normal(5)
-        rates = self._plant.belts / self._radius + sqrt(NOISE.encoder) * noise[:2]
+        self.rates.append(self._plant.belts / self._radius)
+        rates = self.rates[-1] + sqrt(NOISE.encoder) * noise[:2]
         gyro = self._plant.twist[1] + self._bias + sqrt(NOISE.gyro) * noise[2]
         fix = None
         if self._fixes is not None and self._plant.time >= self._next_fix - self.dt / 2:
@@ -94,6 +100,28 @@ class EstimatedPlant:
             self._next_fix += self._fixes
             fix = self._plant.pose[:2] + STATION_STD * noise[3:]
         return float(rates[0]), float(rates[1]), float(gyro), fix
+
+    def in_long_steps(self) -> float:
+        """How far the odometry's places move when it is asked seldom: root mean square [m].
+
+        What the belts ran, without noise, is laid once more from the start: sample by sample, and
+        in steps of `LONG` samples in turn. Arcs end at the same places both times.
+        """
+        start, part = self.estimates["odometry"][0], self._parts["odometry"]
+        turned = np.vstack([np.zeros(2), np.cumsum(self.rates, axis=0)]) * self.dt
+        turns = np.cumsum(np.tile(LONG, len(turned) // sum(LONG) + 1))
+        edges = np.append(0, turns[turns < len(turned)])
+
+        def laid(edges: NDArray) -> NDArray:
+            poses = [start]
+            for one, other in pairwise(edges.tolist()):
+                dt = (other - one) * self.dt
+                rates = ((turned[other] - turned[one]) / dt).tolist()
+                poses.append(call_part("odometry", part, poses[-1], *rates, dt, shape=(3,)))
+            return np.array(poses)
+
+        apart = laid(np.arange(edges[-1] + 1))[edges] - laid(edges)
+        return float(np.sqrt(np.mean(np.sum(apart[:, :2] ** 2, axis=1))))
 
 
 def _started(name: str, part: Callable | str, machine: Machine, start: NDArray) -> Callable:

@@ -61,16 +61,17 @@ class Score:
 
 @dataclass(frozen=True)
 class DriveScore:
-    """A drive in eleven numbers, beside the reference drive.
+    """A drive in twelve numbers, beside the reference drive.
 
     `distance` the mean and `farthest` the largest distance from the path [m], `way` the length
     driven over that of the path, `late` by which delay the drive is explained best [s] (NaN without
     times), `time` [s], `push` the root mean square of the tracks' forces [N] (NaN without tracks),
     `reached` whether it arrived. `position_error` [m] and `heading_error` [rad] are the root mean
-    squares of its estimate's errors (NaN if it was told the truth), `margin` and `margin_time` as
-    in `Score` (NaN without tracks). `claimed` is the place's standard deviation as the localisation
-    claims it [m], `nees` and `nis` how large the pose's errors and the fixes' surprises are by its
-    claims, on average 3 and 2 if it is honest [1]; NaN without claims.
+    squares of its estimate's errors (NaN if it was told the truth), `long_steps` how far an
+    odometry's places move when it is asked seldom [m] (NaN without one), `margin` and
+    `margin_time` as in `Score` (NaN without tracks). `claimed` is the place's standard deviation
+    as the localisation claims it [m], `nees` and `nis` how large the pose's errors and the fixes'
+    surprises are by its claims, on average 3 and 2 if it is honest [1]; NaN without claims.
     """
 
     distance: float
@@ -84,6 +85,7 @@ class DriveScore:
     reference: DriveScore | None = None
     position_error: float = np.nan
     heading_error: float = np.nan
+    long_steps: float = np.nan
     margin: float = np.nan
     margin_time: float = np.nan
     claimed: float = np.nan
@@ -112,6 +114,8 @@ class DriveScore:
             if score is not None and not np.isnan(score.nees):
                 rows += _CLAIMS
                 break
+        if not np.isnan(self.long_steps):
+            rows.append(("in long steps off [cm]", "{:.1f}", lambda s: 100 * s.long_steps))
         return table(self, rows)
 
 
@@ -205,6 +209,7 @@ def _measure_drive(run: DriveRun) -> DriveScore:
         push=float(push),
         reached=run.reached,
         swapped=run.swapped,
+        long_steps=run.long_steps,
         **_estimate_errors(run),
         **_claims(run),
         **(

@@ -3,9 +3,32 @@
 import numpy as np
 from scipy.interpolate import make_interp_spline
 from scipy.linalg import expm
+from scipy.optimize import minimize_scalar
 
 from backhoe.localisation.odometry import Wheels, square
 from backhoe.machine import BACKHOE
+
+EQUAL = {
+    "6.3": {
+        "the result at [0] is never negative": "the first wheel drives across x: its v_x is 0",
+        "radius is never negative": "a wheel's radius is a length",
+        "distance is never negative": "the distance of a wheel from the middle is a length",
+    },
+    "6.5": {"dt is never negative": "time goes forwards"},
+    "6.6": {
+        "counts is never negative": "a counter's readings begin at 0",
+        "bits: abs": "a counter has at least one bit",
+    },
+    "6.8": {
+        "dt is never negative": "time goes forwards",
+        "gauge is never negative": "a gauge is a length",
+    },
+    "6.9": {
+        "radius is never negative": "a wheel's radius is a length",
+        "the result is never negative": "a gauge is a length",
+    },
+}
+"""Mutants of a reference that change nothing for what can be asked, with the reason."""
 
 
 def area_under_straight_lines(answer, t, v):
@@ -69,3 +92,14 @@ def exponential_of_the_belts_twist(answer, pose, left, right, dt, gauge):
     belts = BACKHOE.tracks.sprocket_radius * np.array([left, right])
     v, omega = np.linalg.solve([[1.0, -gauge / 2], [1.0, gauge / 2]], belts)
     exponential_of_the_twist(answer, pose, v, omega, dt, atol=1e-5)
+
+
+def heading_is_explained_no_better_beside_it(answer, left, right, heading, radius):
+    """SciPy's search over gauges finds no smaller sum of the headings' squared misses."""
+    belts = radius * ((right - left) - (right - left)[0])
+
+    def misses(share):
+        return np.sum((heading - heading[0] - share * belts) ** 2)
+
+    best = minimize_scalar(misses, (-1.0, 1.0), method="brent", options={"xtol": 1e-12})
+    np.testing.assert_allclose(1 / answer, best.x, rtol=1e-6)

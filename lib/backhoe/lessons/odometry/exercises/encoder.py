@@ -64,6 +64,15 @@ TICKS = Exercise(
         "steps over the wrap are thrown away: repair them instead": (
             _of_steps(lambda steps, span: np.where(np.abs(steps) > span / 2, 0, steps))
         ),
+        "the modulus goes on counting downwards: half a span more, and it is signed": (
+            _of_steps(lambda steps, span: np.remainder(steps, span) - span)
+        ),
+        "wraps backwards are repaired, wraps forwards are not: a fall may be too large, too": (
+            _of_steps(lambda steps, span: np.where(steps > span / 2, steps - span, steps))
+        ),
+        "a counter of b bits has 2^b readings, not 2 b": (
+            lambda counts, bits: (np.diff(counts) + bits) % (2 * bits) - bits
+        ),
         "forwards counts positive: newer reading minus older reading": lambda *given: (
             -ticks(*given)
         ),

@@ -48,6 +48,12 @@ JACOBIAN = Exercise(
         "your wheels drive away from the middle: they drive across that, along (-sin a, cos a)": (
             lambda radius, distance: jacobian(radius, distance, (-90.0, 30.0, 150.0))
         ),
+        "the wheels go round clockwise: 120 and 240 degrees are to the left of the first": (
+            lambda radius, distance: jacobian(radius, distance, (0.0, -120.0, -240.0))
+        ),
+        "omega has the wrong sign: wheels that turn forwards turn the robot anticlockwise": (
+            lambda radius, distance: jacobian(radius, -distance)
+        ),
         "the angles 120 and 240 are degrees: np.radians before the sines": (
             lambda radius, distance: jacobian(radius, distance, np.degrees((0.0, 120.0, 240.0)))
         ),

@@ -1,4 +1,4 @@
-"""Exercises 6.4 and 6.5: the guide's Algorithm 4 with a predictor, and the exact arc."""
+"""Exercises 6.4 and 6.5: a trapezoid with a predictor, and the exact arc."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Rate = Callable[[NDArray, NDArray], NDArray]
 
 
 def heun(x: NDArray, u_old: NDArray, u_new: NDArray, dt: float, f: Rate) -> NDArray:
-    """(11) with x_k predicted by a step of Euler's, shape (n,)."""
+    """A trapezoid with x_k predicted by a step of Euler's, shape (n,)."""
     before = f(x, u_old)
     predicted = x + dt * before
     return x + dt / 2 * (before + f(predicted, u_new))
@@ -44,31 +44,51 @@ def _starts(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for _ in range(20):
         x = rng.uniform((-5, -5, -7), (5, 5, 7))
-        speeds = rng.uniform(1, 8, (2, 2))
+        speeds = rng.uniform(1, 8, (2, 2)) * rng.choice((-1.0, 1.0), (2, 2))
         robot = odometry.differential(rng.uniform(0.05, 0.3), rng.uniform(0.4, 1.5))
         cases.append((x, *speeds, float(rng.uniform(0.05, 0.3)), robot.rate))
-    return cases
+    x, _, u_new, dt, f = cases[0]
+    return [*cases, (x, np.zeros(2), u_new, dt, f), (x, u_new, np.zeros(2), dt, f)]
 
 
 TRAPEZOID = Exercise(
     number="6.4",
-    title="Repair Algorithm 4",
+    title="Repair a turn",
     reference=heun,
     oracle="turn_at_the_old_rate_then_average",
     cases=_starts,
     compare=right_trapezoid,
     mistakes={
-        "that is Algorithm 4 as it runs, the old x in both halves: predict x_k first": (
+        "the old x in both halves, order 1: predict x_k first, and put it into the second rate": (
             lambda x, u_old, u_new, dt, f: x + dt / 2 * (f(x, u_old) + f(x, u_new))
         ),
-        "that is Algorithm 3 as it runs, one rate for the whole step: average two": (
+        "one rate for the whole step, that of the new sample at the old x: average two": (
             lambda x, u_old, u_new, dt, f: x + dt * f(x, u_new)
         ),
         "that is the predictor, Euler's step: go on, and average the rates at both ends": (
             lambda x, u_old, u_new, dt, f: x + dt * f(x, u_old)
         ),
-        "the rate at the end alone is (10), order 1: average it with the one at the start": (
+        "the rate at the end alone has order 1: average it with the one at the start": (
             lambda x, u_old, u_new, dt, f: x + dt * f(x + dt * f(x, u_old), u_new)
+        ),
+        "solved for the rate at the end alone, order 1: average it with the one at the start": (
+            lambda x, u_old, u_new, dt, f: (
+                odometry.streaming.implicit_euler(
+                    odometry.streaming.State(0.0, x, u_old), dt, u_new, f
+                ).x
+            )
+        ),
+        "the old sample in both rates: the one at the end goes with u_new": (
+            lambda x, u_old, u_new, dt, f: heun(x, u_old, u_old, dt, f)
+        ),
+        "the new sample in both rates: the one at the start goes with u_old": (
+            lambda x, u_old, u_new, dt, f: heun(x, u_new, u_new, dt, f)
+        ),
+        "that is the mean rate: times dt, plus x": (
+            lambda x, u_old, u_new, dt, f: (heun(x, u_old, u_new, dt, f) - x) / dt
+        ),
+        "it starts from the predicted x: the mean rate leads on from x": (
+            lambda x, u_old, u_new, dt, f: dt * f(x, u_old) + heun(x, u_old, u_new, dt, f)
         ),
         "twice too far: the average of two rates needs a half": (
             lambda x, u_old, u_new, dt, f: 2 * heun(x, u_old, u_new, dt, f) - x
@@ -88,7 +108,7 @@ TRAPEZOID = Exercise(
         "the old sample counts as zero: use u_old": (
             lambda x, u_old, u_new, dt, f: heun(x, np.zeros(2), u_new, dt, f)
         ),
-        "the midpoint rule, order 2 as well; but (11) averages the rates at both ends": (
+        "the midpoint rule, order 2 as well; but asked for are the rates at both ends, averaged": (
             lambda x, u_old, u_new, dt, f: x + dt * f(x + dt / 2 * f(x, u_old), (u_old + u_new) / 2)
         ),
     },
@@ -96,26 +116,27 @@ TRAPEZOID = Exercise(
         "f(x_k, u_k) needs x_k. Guess it by a step of Euler's: x + dt f(x, u_old).",
         "before = f(x, u_old); after = f(x + dt * before, u_new); their mean, times dt, plus x.",
     ),
-    tested_on="20 random steps of random robots",
+    tested_on="22 random steps of random robots, forwards, in reverse, from rest and to rest",
 )
 
 
 def arc(pose: NDArray, v: float, omega: float, dt: float) -> NDArray:
-    """(4.3) corrected: exact for held speeds, straight ahead included, shape (3,) [m, m, rad]."""
+    """The exact arc for held speeds, straight ahead included, shape (3,) [m, m, rad]."""
     half = omega * dt / 2
     chord = v * dt * np.sinc(half / np.pi)
     middle = pose[2] + half
     return pose + np.array([chord * np.cos(middle), chord * np.sin(middle), omega * dt])
 
 
-_STRAIGHT = ((0.8, 0.0), (0.8, 1e-12), (-0.6, -1e-12), (0.9, 2e-4), (0.9, -2e-4))
+_STRAIGHT = ((0.8, 0.0), (-0.8, 0.0), (0.8, 1e-12), (-0.6, -1e-12), (0.9, 2e-4), (0.9, -2e-4))
+_SPOT = ((0.0, 0.7), (0.0, -0.7))
 
 
 def _turns(rng: np.random.Generator) -> list[tuple]:
-    poses = rng.uniform((-4, -4, -9), (4, 4, 9), (30, 3))
+    poses = rng.uniform((-4, -4, -9), (4, 4, 9), (33, 3))
     bends = rng.uniform((-1.5, 0.1), (1.5, 1.2), (25, 2))
     bends[:, 1] *= rng.choice((-1.0, 1.0), 25)
-    speeds = [*_STRAIGHT, *bends.tolist()]
+    speeds = [*_STRAIGHT, *_SPOT, *bends.tolist()]
     return [
         (pose, *one, float(rng.uniform(0.2, 1.5))) for pose, one in zip(poses, speeds, strict=True)
     ]
@@ -136,18 +157,27 @@ def advanced_by(method: str) -> Callable[..., NDArray]:
     return lambda pose, v, omega, dt: odometry.advance(pose, v * dt, omega * dt, method)
 
 
+def _straight_below(
+    below: bool, pose: NDArray, v: float, omega: float, dt: float, turns: float = 1
+) -> NDArray:
+    """A straight line along the old heading in one branch, the arc in the other."""
+    if not below:
+        return arc(pose, v, omega, dt)
+    return advanced_by("euler")(pose, v, omega, dt) - [0.0, 0.0, (1 - turns) * omega * dt]
+
+
 def _move_times(*factors: float) -> Callable[..., NDArray]:
     return lambda pose, *given: pose + factors * (arc(pose, *given) - pose)
 
 
 ARC = Exercise(
     number="6.5",
-    title="Repair (4.3)",
+    title="Repair an arc",
     reference=arc,
     oracle="exponential_of_the_twist",
     cases=_turns,
     mistakes={
-        "that is (4.3) as printed: integrate cos psi over psi, and you get its sine": (
+        "sine and cosine are swapped: integrate cos psi over psi, and you get its sine": (
             lambda pose, v, omega, dt: (arc if abs(omega) < 1e-8 else printed.step_43)(
                 pose, v, omega, dt
             )
@@ -166,14 +196,49 @@ ARC = Exercise(
                 pose, v, omega, dt
             )
         ),
-        "that is (4.1) corrected, Euler: a straight line along the old heading": (
-            advanced_by("euler")
+        "right turns go straight on: omega < 0.001 needs an absolute value": (
+            lambda *given: _straight_below(given[2] < 0.001, *given)
         ),
-        "that is (4.1) as printed: a straight line along the new heading": printed.step_41,
-        "that is (4.2) corrected: the right direction, but the chord is shorter than the arc": (
+        "right turns go straight on: a threshold below them needs an absolute value": (
+            lambda *given: _straight_below(given[2] < 1e-6, *given)
+        ),
+        "right turns go straight on and do not turn: omega < 0.001 needs an absolute value": (
+            lambda *given: _straight_below(given[2] < 0.001, *given, turns=0)
+        ),
+        "right turns go straight on and do not turn: such a threshold needs an absolute value": (
+            lambda *given: _straight_below(given[2] < 1e-6, *given, turns=0)
+        ),
+        "left turns take the straight branch: omega > 0.001 is what turns": (
+            lambda *given: (advanced_by("midpoint") if given[2] > -0.001 else arc)(*given)
+        ),
+        "nearly straight, it goes along the old heading: a smaller threshold, or the middle": (
+            lambda *given: _straight_below(abs(given[2]) < 0.001, *given)
+        ),
+        "nearly straight, the heading does not turn: add omega dt there, too": (
+            lambda *given: _straight_below(abs(given[2]) < 0.001, *given, turns=0)
+        ),
+        "that is Euler: a straight line along the old heading": advanced_by("euler"),
+        "a straight line along the new heading: the chord points to the middle of the turn": (
+            printed.step_41
+        ),
+        "that is the midpoint: the right direction, but the chord is shorter than the arc": (
             advanced_by("midpoint")
         ),
-        "(4.2) as printed, beyond the end: the middle is psi_{k-1} + omega T / 2": printed.step_42,
+        "beyond the end: the middle of the turn is psi_{k-1} + omega T / 2": printed.step_42,
+        "in reverse it goes ahead: v has a sign": (
+            lambda pose, v, omega, dt: arc(pose, abs(v), omega, dt)
+        ),
+        "it turns to one side only: omega has a sign": (
+            lambda pose, v, omega, dt: arc(pose, v, abs(omega), dt)
+        ),
+        "the step goes on for a whole second: dt is missing": (
+            lambda pose, v, omega, dt: arc(pose, v, omega, 1.0)
+        ),
+        "h is half the turn: omega dt / 2": (
+            lambda pose, v, omega, dt: np.append(
+                arc(pose, v, 2 * omega, dt)[:2], pose[2] + omega * dt
+            )
+        ),
         "np.sinc(z) is sin(pi z) / (pi z): give it h / pi": (
             lambda pose, v, omega, dt: advanced_by("midpoint")(
                 pose, v * np.sinc(omega * dt / 2), omega, dt
@@ -191,5 +256,5 @@ ARC = Exercise(
         "Integrate v cos(psi_0 + omega t) over the step; then look at omega -> 0.",
         "A chord of v dt sin(h) / h along psi_0 + h, h = omega dt / 2; np.sinc(h / pi) is safe.",
     ),
-    tested_on="30 random steps, forwards and backwards, left, right and straight ahead",
+    tested_on="33 random steps, forwards and in reverse, left, right, straight and on the spot",
 )

@@ -13,9 +13,9 @@ from backhoe.localisation.odometry import bilinear_sum, euler_sum, order
 
 def _logs(rng: np.random.Generator) -> list[tuple[NDArray, NDArray]]:
     logs = []
-    for _ in range(12):
-        t = rng.uniform(0, 5) + np.cumsum(rng.uniform(0.02, 0.3, int(rng.integers(8, 60))))
-        logs.append((t, 0.6 + rng.normal(0, 0.4, len(t))))
+    for count in (2, 3, *rng.integers(8, 60, 10)):
+        t = rng.uniform(-5, 5) + np.cumsum(rng.uniform(0.02, 0.3, int(count)))
+        logs.append((t, rng.choice((-0.6, 0.1, 0.6)) + rng.normal(0, 0.4, len(t))))
     return logs
 
 
@@ -42,6 +42,18 @@ WAY = Exercise(
         "the first trapezoid starts at zero speed: v[0] was measured, so use it": (
             lambda t, v: bilinear_sum(t, np.append(0.0, v[1:]))
         ),
+        "a negative speed leads back: add it up with its sign": (
+            lambda t, v: bilinear_sum(t, np.abs(v))
+        ),
+        "that is the distance from the start: a position has a sign": (
+            lambda t, v: np.abs(bilinear_sum(t, v))
+        ),
+        "these are the ways of the steps: add them up": (
+            lambda t, v: np.append(0.0, np.diff(bilinear_sum(t, v)))
+        ),
+        "the first position is 0: what came before t[0] is not asked for": (
+            lambda t, v: bilinear_sum(t, v) + t[0] * v[0]
+        ),
         "n instants have n positions: the first of them, 0 at t[0], is missing": (
             lambda t, v: bilinear_sum(t, v)[1:]
         ),
@@ -53,16 +65,18 @@ WAY = Exercise(
         "np.diff(t) are the lengths of the steps; (v[1:] + v[:-1]) / 2 the mean heights.",
         "np.cumsum adds up the areas; put a 0 in front with np.concatenate.",
     ),
-    tested_on="12 logs with unequal steps, none of which starts at t = 0",
+    tested_on="12 logs with unequal steps, forwards and in reverse, none of which starts at t = 0",
 )
 
 
 def _families(rng: np.random.Generator) -> list[tuple[NDArray, NDArray]]:
     families = []
-    for _ in range(20):
-        steps = rng.uniform(0.5, 2.0) / 2.0 ** np.arange(6)
-        spread = np.exp(rng.normal(0, 0.05, 6))
-        families.append((steps, rng.uniform(0.01, 3.0) * steps ** rng.uniform(0.7, 4.2) * spread))
+    for low, high in ((0.7, 4.2),) * 18 + ((-1.5, -0.5),) * 2:
+        count = int(rng.integers(3, 9))
+        steps = rng.uniform(0.5, 2.0) / np.cumprod(rng.uniform(1.4, 4.0, count))
+        steps = steps[:: rng.choice((-1, 1))]
+        spread = np.exp(rng.normal(0, 0.05, count))
+        families.append((steps, rng.uniform(0.01, 3.0) * steps ** rng.uniform(low, high) * spread))
     return families
 
 
@@ -92,6 +106,18 @@ ORDER = Exercise(
         "that is where the line cuts the axis: the order is its slope, polyfit's first number": (
             _line(place=1)
         ),
+        "a mean of the slopes between neighbours: fit one line through all points": (
+            lambda steps, errors: np.mean(np.diff(np.log(errors)) / np.diff(np.log(steps)))
+        ),
+        "that takes each step for half of the one before: divide by the logarithm of their ratio": (
+            lambda steps, errors: np.mean(np.log2(errors[:-1] / errors[1:]))
+        ),
+        "that is by what the errors shrink, 2^p or so: the order is the exponent p": (
+            lambda steps, errors: np.mean(errors[:-1] / errors[1:])
+        ),
+        "an order may be negative: then a shorter step makes the error larger": (
+            lambda steps, errors: abs(order(steps, errors))
+        ),
         "two different logarithms: take the same one for steps and for errors": _line(np.log10),
         "only the first and the last point are used: fit the line through all of them": (
             lambda steps, errors: order(steps[[0, -1]], errors[[0, -1]])
@@ -101,5 +127,5 @@ ORDER = Exercise(
         "error = C step^p is a straight line once you take logarithms: log e = log C + p log step.",
         "np.polyfit(x, y, 1) returns the slope and the intercept of the best line.",
     ),
-    tested_on="20 families of errors with orders from 0.7 to 4.2",
+    tested_on="20 families of errors with orders from -1.5 to 4.2, the steps not halved",
 )

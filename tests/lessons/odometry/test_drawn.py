@@ -16,13 +16,13 @@ def speed(t):
 def summed():
     fine = np.linspace(0.0, 1.6, 400)
     panels = []
-    for title, label in (("Euler: rectangles", "speed [m/s]"), ("bilinear: trapezoids", "")):
+    for title in ("Euler: rectangles", "bilinear: trapezoids"):
         items = [line(fine, speed(fine), "speed"), line(T, V, "samples")]
         for k in range(3):
-            first = V[k + 1] if label else V[k]
+            first = V[k + 1] if title[0] == "E" else V[k]
             corners = [(T[k], 0), (T[k], first), (T[k + 1], V[k + 1]), (T[k + 1], 0)]
             items.append(shape(corners))
-        panels.append(Panel("time [s]", label, items, title))
+        panels.append(Panel("time [s]", "speed [m/s]", items, title))
     return figures.areas(T, V, speed), panels
 
 
@@ -44,7 +44,7 @@ def stepped():
     ends = {"Euler": (1.8, 0.9, 1.2), "midpoint": (1.5, 1.8, 1.2)}
     items = [track(arc[:, :2], "true arc")]
     for label, end in ends.items():
-        items += [track([pose[:2], end[:2]], label), track([end[:2]])]
+        items.append(track([pose[:2], end[:2]], label))
     size = 0.08 * 1.8
     ahead, left = np.array([(np.cos(0.6), np.sin(0.6)), (-np.sin(0.6), np.cos(0.6))])
     outline = [(-1.0, -0.7), (-1.0, 0.7), (0.2, 0.7), (0.9, 0.0), (0.2, -0.7)]
@@ -62,7 +62,7 @@ def ended():
         items = [line(0.0, 0.0, "start")]
         for label, places in groups.items():
             items += [track(places, label), track([np.mean(places, axis=0)])]
-        panels.append(Panel(X, Y if title == "one" else "", items, title))
+        panels.append(Panel(X, Y, items, title))
     return figures.end_places(given), panels
 
 
@@ -94,7 +94,7 @@ def rolled():
                 slide = 0.4 * reach * np.array([np.cos(free), np.sin(free)])
                 ways += [(at, at + slide), (at, at - slide)]
         items += [arrow(*way) for way in ways] + [track(way) for way in ways]
-        label = "$y$ to the left [m]" if title == "two" else ""
+        label = "$y$ to the left [m]"
         panels.append(Panel("$x$ forward [m]", label, items, title, clipped=True))
     fig = figures.wheeled(given)
     named = {text.get_text() for text in fig.legends[0].get_texts()}

@@ -1,1 +1,1 @@
-"""Lesson 06, `06_odometry`: its exercises, figures and printed formulas."""
+"""Lesson 06, `06a_sampling` to `06c_ground`: their exercises, figures, and formulas as printed."""

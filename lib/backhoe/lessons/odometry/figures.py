@@ -25,6 +25,7 @@ from backhoe.view.plots.style import (
     PALE,
     RED,
     figure,
+    looks,
     styled,
 )
 
@@ -53,11 +54,10 @@ def areas(t: ArrayLike, v: ArrayLike, speed: Callable[[NDArray], NDArray]) -> Fi
     panels = ((left, rectangles, "Euler: rectangles"), (right, trapezoids, "bilinear: trapezoids"))
     for ax, heights, title in panels:
         shapes = [Polygon(np.c_[x, y]) for x, y in zip(right_edges, heights, strict=True)]
-        ax.add_collection(PatchCollection(shapes, facecolor="#cfe3f1", edgecolor=BLUE, lw=1.2))
+        ax.add_collection(PatchCollection(shapes, facecolor=BLUE + "33", edgecolor=BLUE, lw=1.2))
         ax.plot(fine, speed(fine), color=DARK, label="speed")
-        ax.plot(t, v, "o", color=ORANGE, mec=DARK, ms=6, label="samples")
-        ax.set(title=title, xlabel="time [s]")
-    left.set_ylabel("speed [m/s]")
+        ax.plot(t, v, "o", color=ORANGE, mec="white", ms=7, label="samples")
+        ax.set(title=title, xlabel="time [s]", ylabel="speed [m/s]")
     fig.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return fig
 
@@ -91,10 +91,9 @@ def error_orders(
     drawn = {label: numbers(values, label, steps.shape) for label, values in errors.items()}
     fits = {label: order(steps, values) for label, values in drawn.items()}
     fig, ax = figure(6.8, 4.2)
-    markers = "osD^vPX*"
-    for place, (label, values) in enumerate(drawn.items()):
-        style = {"color": COLOURS[place % 6], **KINDS.get(kinds.get(label, ""), {})}
-        ax.plot(steps, values, marker=markers[place % 8], ms=5, label=label, **style)
+    for (label, values), style in zip(drawn.items(), looks(list(drawn)), strict=True):
+        style |= KINDS.get(kinds.get(label, ""), {}) | {"markevery": 1}
+        ax.plot(steps, values, label=label, **style)
     for slope in slopes:
         nearest = min(fits, key=lambda name: abs(fits[name] - slope))
         guide = 2.2 * drawn[nearest].max() * (steps / steps.max()) ** slope
@@ -143,12 +142,10 @@ def one_step(
         raise ValueError(f"no end called {sorted(lost)}: there are {sorted(ends)}")
     fig, ax = figure(6.8, 4.2)
     ax.plot(*arc[:, :2].T, **KINDS["truth"], label="true arc", zorder=5)
-    colours = iter(COLOURS * 3)
-    for label, end in ends.items():
+    for (label, end), style in zip(ends.items(), looks(list(ends)), strict=True):
         place = numbers(end, label, (3,), meaning="x, y, psi")
-        style = KINDS.get(kinds.get(label, ""), {"color": next(colours)})
+        style |= KINDS.get(kinds.get(label, ""), {}) | {"markevery": [1], "markersize": 8}
         ax.plot(*np.array([pose[:2], place[:2]]).T, **style, label=label)
-        ax.plot(*place[:2], "o", color=style["color"], mec="white", ms=9, zorder=6)
     _vehicle(ax, pose, 0.08 * np.ptp(arc[:, :2], axis=0).max())
     ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
     ax.margins(0.1)
@@ -175,11 +172,10 @@ def end_places(panels: Mapping[str, Mapping[str, ArrayLike]]) -> Figure:
         ):
             places = numbers(places, label, ("n", 2))
             ax.plot(*places.T, marker, color=colour, ms=5, alpha=0.7, label=label)
-            ax.plot(*places.mean(axis=0), "+", color=DARK, ms=14, mew=2, zorder=6)
+            ax.plot(*places.mean(axis=0), "+", color=colour, ms=16, mew=2, zorder=6)
         ax.plot(0, 0, "*", color=GREY, ms=12, label="start")
-        ax.set(title=title, xlabel="$x$ [m]", aspect="equal")
+        ax.set(title=title, xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
         ax.margins(0.15)
-    axes[0, 0].set_ylabel("$y$ [m]")
     handles = {h.get_label(): h for h in axes[0, 0].lines if not h.get_label().startswith("_")}
     fig.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
     return fig
@@ -211,11 +207,10 @@ def wheeled(
         )
         numbers(wheels[:, :3], title)
         farthest = max(farthest, _robot(ax, wheels))
-        ax.set(title=title, xlabel="$x$ forward [m]", aspect="equal")
+        ax.set(title=title, xlabel="$x$ forward [m]", ylabel="$y$ to the left [m]", aspect="equal")
     span = (-1.65 * farthest, 1.65 * farthest)
     for ax in axes[0]:
         ax.set(xlim=span, ylim=span)
-    axes[0, 0].set_ylabel("$y$ to the left [m]")
     handles = {h.get_label(): h for ax in axes[0] for h in ax.lines if h.get_label()[0] != "_"}
     fig.legend(handles.values(), handles, loc="outside lower center", ncols=len(handles))
     return fig
@@ -225,7 +220,7 @@ def _vehicle(ax: Axes, pose: NDArray, size: float) -> None:
     c, s = np.cos(pose[2]), np.sin(pose[2])
     corners = size * np.array([(-1.0, -0.7), (-1.0, 0.7), (0.2, 0.7), (0.9, 0.0), (0.2, -0.7)])
     outline = corners @ np.array([[c, s], [-s, c]]) + pose[:2]
-    ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=DARK, zorder=4))
+    ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=GREY, zorder=4))
 
 
 def _robots() -> dict[str, list[tuple[float, float, float, float]]]:
@@ -243,25 +238,28 @@ def _robots() -> dict[str, list[tuple[float, float, float, float]]]:
 def _robot(ax: Axes, wheels: NDArray) -> float:
     """Draw it; how far its farthest wheel is from the middle [m]."""
     reach = float(np.hypot(*wheels[:, :2].T).max())
-    ax.add_patch(Circle((0, 0), 0.72 * reach, facecolor="#f1f1f1", edgecolor=GREY, zorder=1))
+    ax.add_patch(Circle((0, 0), 0.72 * reach, facecolor="#8080801a", edgecolor=GREY, zorder=1))
     for x, y, drive, free in wheels:
         along = np.array([np.cos(drive), np.sin(drive)])
         across = np.array([-along[1], along[0]])
         corners = np.array([(-1, -0.4), (1, -0.4), (1, 0.4), (-1, 0.4)]) * 0.2 * reach
         outline = corners @ np.array([along, across]) + (x, y)
-        ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=DARK, zorder=2))
-        _arrow(ax, (x, y), 0.62 * reach * along, BLUE, "drives")
+        ax.add_patch(Polygon(outline, facecolor=PALE, edgecolor=GREY, zorder=2))
+        _arrow(ax, (x, y), 0.62 * reach * along, "drives")
         if np.isfinite(free):
             roll = np.array([np.cos(free), np.sin(free)])
             for sign in (1, -1):
-                _arrow(ax, (x, y), 0.4 * sign * reach * roll, GREEN, "slides freely")
-    _arrow(ax, (0, 0), (0.6 * reach, 0), RED, "ahead")
+                _arrow(ax, (x, y), 0.4 * sign * reach * roll, "slides freely")
+    _arrow(ax, (0, 0), (0.6 * reach, 0), "ahead")
     return reach
 
 
-def _arrow(ax: Axes, start: ArrayLike, way: ArrayLike, colour: str, label: str) -> None:
-    end = np.add(start, way)
+_ARROWS = {"drives": (BLUE, "-"), "slides freely": (GREEN, ":"), "ahead": (RED, "--")}
+
+
+def _arrow(ax: Axes, start: ArrayLike, way: ArrayLike, label: str) -> None:
+    end, (colour, dashes) = np.add(start, way), _ARROWS[label]
     style = {"arrowstyle": "-|>", "color": colour, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", end, start, arrowprops=style, zorder=5)
+    ax.annotate("", end, start, arrowprops=style | {"linestyle": dashes}, zorder=5)
     ax.plot(*np.array([start, end]).T, lw=0, label="_")
-    ax.plot([], [], color=colour, lw=2.0, label=label)
+    ax.plot([], [], color=colour, linestyle=dashes, lw=2.0, label=label)

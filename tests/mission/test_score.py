@@ -51,6 +51,7 @@ def test_the_force_of_a_track_is_a_root_mean_square_in_newtons():
         swapped=(),
         estimate=None,
         claims=np.empty((0, 3, 3)),
+        long_steps=np.nan,
         least=None,
     )
     assert _measure_drive(run).push == pytest.approx(np.sqrt((9e8 + 16e8) / 2))

@@ -1,20 +1,22 @@
 """The missions: load the truck, drive, look around or grade, with parts a student can replace.
 
-`run()` digs and loads with the library's parts, `drive()` drives along a path, `obey()` is given
-hard orders, `survey()` keeps a map of the work, `grade()` draws a slope; `run(name=mine)` swaps a
-part in, and so on. `PARTS`,
-`DRIVE_PARTS`, `SURVEY_PARTS` and `GRADE_PARTS` say what each part takes and gives. `score` sets a
-run beside the same run with the library's parts only. This is the one package that knows all parts.
+`run()` digs and loads with the library's parts, `lift()` carries a load, `drive()` drives along a
+path, `obey()` is given hard orders, `survey()` keeps a map of the work, `grade()` draws a slope;
+`run(name=mine)` swaps a part in, and so on. `PARTS`, `LIFT_PARTS`, `DRIVE_PARTS`, `SURVEY_PARTS` and
+`GRADE_PARTS` say what each part takes and gives. `score` sets a run beside the same run with the
+library's parts only. This is the one package that knows all parts.
 """
 
 from backhoe.mission.design import SlopeDesign, TrenchDesign
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
+from backhoe.mission.lifting import LiftRun, lift
 from backhoe.mission.loading import Run, run
 from backhoe.mission.orders import OrderRun, OrderScore, obey
 from backhoe.mission.parts import (
     DRIVE_PARTS,
     GRADE_PARTS,
+    LIFT_PARTS,
     PARTS,
     SURVEY_PARTS,
     Part,
@@ -25,18 +27,21 @@ from backhoe.mission.parts import (
 )
 from backhoe.mission.recorded import drive_the_machine
 from backhoe.mission.route import default_route
-from backhoe.mission.score import DriveScore, Score, SurveyScore, score
+from backhoe.mission.score import DriveScore, LiftScore, Score, SurveyScore, score
 from backhoe.mission.surface import SurfaceScore
 from backhoe.mission.surveying import SurveyRun, survey
 
 __all__ = [
     "DRIVE_PARTS",
     "GRADE_PARTS",
+    "LIFT_PARTS",
     "PARTS",
     "SURVEY_PARTS",
     "DriveRun",
     "DriveScore",
     "GradingRun",
+    "LiftRun",
+    "LiftScore",
     "OrderRun",
     "OrderScore",
     "Part",
@@ -53,6 +58,7 @@ __all__ = [
     "drive_the_machine",
     "grade",
     "hand_made_plan",
+    "lift",
     "obey",
     "parts",
     "run",

@@ -15,6 +15,7 @@ from backhoe.mission.parts import (
     AUTONOMY_PARTS,
     DRIVE_PARTS,
     GRADE_PARTS,
+    LIFT_PARTS,
     PARTS,
     SURVEY_PARTS,
     Part,
@@ -23,7 +24,7 @@ from backhoe.mission.parts import (
 LIBRARY = "library"
 ESTIMATORS = ("odometry", "localisation")
 MAKERS = ("map", "terrain")
-_TABLES = AUTONOMY_PARTS | PARTS | DRIVE_PARTS | SURVEY_PARTS | GRADE_PARTS
+_TABLES = AUTONOMY_PARTS | PARTS | LIFT_PARTS | DRIVE_PARTS | SURVEY_PARTS | GRADE_PARTS
 _CALLS = {name: part.call for name, part in _TABLES.items()}
 
 

@@ -65,6 +65,16 @@ PARTS = {
     ),
 }
 
+LIFT_PARTS = {
+    "gravity_torque": PARTS["gravity_torque"],
+    "inertia_matrix": Part(
+        "inertia_matrix(q, load) -> M",
+        "inertia matrix (4, 4) [kg m^2] at q [rad] with a load [kg] in the bucket",
+        "02",
+    ),
+}
+"""What `lift` takes."""
+
 DRIVE_PARTS = {
     "velocity_controller": Part(
         "velocity_controller(v_ref, omega_ref, v, omega, dt) -> left, right",

@@ -16,6 +16,7 @@ from backhoe.mission.autonomy.running import AutonomyRun
 from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
+from backhoe.mission.lifting import LiftRun, lift
 from backhoe.mission.loading import Run, run
 from backhoe.mission.orders import OrderRun, OrderScore
 from backhoe.mission.orders import scored as scored_orders
@@ -128,6 +129,27 @@ _CLAIMS = [
     ("NEES, 3 if honest [1]", "{}", lambda score: _if_any(score.nees, ".2g")),
     ("NIS, 2 if honest [1]", "{}", lambda score: _if_any(score.nis, ".2g")),
 ]
+
+
+@dataclass(frozen=True)
+class LiftScore:
+    """A load in the air in two numbers, beside the reference run.
+
+    The root mean square of q_ref - q over boom, stick and bucket [rad]: `moving` on the way,
+    `resting` in the postures between, where only weights are left.
+    """
+
+    moving: float
+    resting: float
+    swapped: tuple[str, ...] = ()
+    reference: LiftScore | None = None
+
+    def __str__(self) -> str:
+        rows = [
+            ("error on the way [deg]", "{:.2f}", lambda score: np.degrees(score.moving)),
+            ("error at rest [deg]", "{:.2f}", lambda score: np.degrees(score.resting)),
+        ]
+        return table(self, rows)
 
 
 @dataclass(frozen=True)
@@ -272,6 +294,17 @@ def _score_drive(run: DriveRun) -> DriveScore:
     return replace(measured, reference=reference)
 
 
+def _measure_lift(run: LiftRun) -> LiftScore:
+    off = (run.q_ref - run.q) ** 2
+    moving, resting = (np.sqrt(off[some].mean()) for some in (~run.at_rest, run.at_rest))
+    return LiftScore(moving=float(moving), resting=float(resting), swapped=run.swapped)
+
+
+@lru_cache(maxsize=4)
+def _reference_lift(**settings: object) -> LiftScore:
+    return _measure_lift(lift(**settings))
+
+
 def _measure_survey(run: SurveyRun) -> SurveyScore:
     ends = [0, -1]
     stereo, lasers = run.heap["stereo"][ends], run.heap["lasers"][ends]
@@ -321,8 +354,8 @@ def _reference_grading(**settings: object) -> SurfaceScore:
 
 
 def score(
-    run: Run | DriveRun | OrderRun | SurveyRun | GradingRun | AutonomyRun,
-) -> Score | DriveScore | OrderScore | SurveyScore | SurfaceScore | AutonomyScore:
+    run: Run | DriveRun | LiftRun | OrderRun | SurveyRun | GradingRun | AutonomyRun,
+) -> Score | DriveScore | LiftScore | OrderScore | SurveyScore | SurfaceScore | AutonomyScore:
     """Measure a run beside the same run with the library's parts only.
 
     The reference runs in a new world of the same scene and soil, by the same backend if it is the
@@ -331,7 +364,7 @@ def score(
     reference: drive the plant again without your tracker.
 
     Args:
-        run: what `mission.run`, `drive`, `obey`, `survey`, `grade` or `autonomy.run` returned.
+        run: what `mission.run`, `drive`, `lift`, `obey`, `survey`, `grade` or `autonomy.run` gave.
 
     Returns:
         The score; `print` shows it beside the reference.
@@ -339,11 +372,15 @@ def score(
     Raises:
         TypeError: run is something else.
     """
-    kinds = (Run, DriveRun, OrderRun, SurveyRun, GradingRun, AutonomyRun)
-    advice = "take what mission.run, drive, obey, survey, grade or autonomy.run returned"
+    kinds = (Run, DriveRun, LiftRun, OrderRun, SurveyRun, GradingRun, AutonomyRun)
+    advice = "take what mission.run, drive, lift, obey, survey, grade or autonomy.run returned"
     instance(run, "run", kinds, advice)
     if isinstance(run, AutonomyRun | OrderRun):
         return scored(run) if isinstance(run, AutonomyRun) else scored_orders(run)
+    if isinstance(run, LiftRun):
+        settings = {name: getattr(run, name) for name in ("load", "machine", "backend")}
+        reference = _reference_lift(**settings) if run.swapped else None
+        return replace(_measure_lift(run), reference=reference)
     if isinstance(run, GradingRun):
         reference = _reference_grading(**run.settings) if run.swapped else None
         return replace(_measure_grading(run), reference=reference)

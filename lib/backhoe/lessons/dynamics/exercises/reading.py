@@ -72,6 +72,19 @@ READING = Exercise(
         "minus pi/2 and minus theta together fold the stick back along the boom": (
             np.array([-178.1, -176.2, -194.1, -168.6])
         ),
+        "the stick is right; the bucket stands the other way: g3 - g4 fits, tau_0 does not": (
+            OFFSETS * np.array([1, 1, -1, -1])
+        ),
+        "the bucket is right; the stick stands the other way: look at g3 - g4": (
+            OFFSETS * np.array([-1, -1, 1, 1])
+        ),
+        "a quarter turn the other way: theta counts from the link before, not from its normal": (
+            OFFSETS + 90
+        ),
+        "the order is stick, its centre of mass, bucket, its centre of mass": OFFSETS[[0, 2, 1, 3]],
+        "the stick's centre of mass lies along the stick, not behind its joint": (
+            OFFSETS + np.array([0, 180, 0, 0])
+        ),
         "right in radians: give degrees here": np.radians(OFFSETS),
     },
 )

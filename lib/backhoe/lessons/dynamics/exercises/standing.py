@@ -62,6 +62,50 @@ EDGES = np.concatenate([HALF, HALF])
 UPPER = BACKHOE.mass - BACKHOE.tracks.mass
 
 
+def _picked(pick: Callable[[NDArray], float]) -> Callable[[NDArray], float]:
+    """Of the loads over the edges beyond which the load lies, another than the least."""
+
+    def wrong(q: NDArray) -> float:
+        loads = _loads(q)[2]
+        return float(pick(loads[np.isfinite(loads)]))
+
+    return wrong
+
+
+def _anyhow(q: NDArray) -> NDArray:
+    inside, beyond, _ = _loads(q)
+    return BACKHOE.mass * inside / beyond
+
+
+def _to_the_middle(q: NDArray) -> float:
+    inside, beyond, _ = _loads(q)
+    way = beyond + EDGES
+    return float((BACKHOE.mass * inside[way > 0] / way[way > 0]).min())
+
+
+def _from_the_middle(q: NDArray) -> float:
+    beyond = _loads(q)[1]
+    return float((BACKHOE.mass * EDGES[beyond > 0] / beyond[beyond > 0]).min())
+
+
+def _at_edge(lever: Callable[[NDArray, NDArray], int]) -> Callable[[NDArray], float]:
+    return lambda q: float(_anyhow(q)[lever(*_loads(q)[:2])])
+
+
+def _without_tracks(q: NDArray) -> float:
+    com = stability.centre_of_mass(q)[:2] * BACKHOE.mass / UPPER
+    inside, beyond = np.concatenate([HALF - com, HALF + com]), _loads(q)[1]
+    return float((BACKHOE.mass * inside[beyond > 0] / beyond[beyond > 0]).min())
+
+
+def _radial(less: float) -> Callable[[NDArray], float]:
+    def wrong(q: NDArray) -> float:
+        way = np.hypot(*kinematics.forward_kinematics(q, "bucket_com")[:2, 3])
+        return float(BACKHOE.mass * stability.margin(q).distance / (way - less))
+
+    return wrong
+
+
 def _scaled(factor: float) -> Callable[[NDArray], float]:
     return lambda q: factor * tipping_load(q)
 
@@ -91,6 +135,9 @@ TIPS = Exercise(
         "the machine's lever is from its centre of mass to the edge, not half of the tracks": (
             _levers(lambda inside, beyond: (EDGES, beyond))
         ),
+        "the machine's lever ends at its centre of mass, centre_of_mass(q), not at its middle": (
+            _from_the_middle
+        ),
         "only the front edge is in it: with the arm turned, the side is nearer": _only([0]),
         "only front and rear are in it: the machine also tips over its sides": _only([0, 2]),
         "only left and right are in it: the machine also tips over its front": _only([1, 3]),
@@ -114,6 +161,50 @@ TIPS = Exercise(
         ),
         "the undercarriage's mass counts, too, not only that of house and arm": (
             _scaled(UPPER / BACKHOE.mass)
+        ),
+        "with the load it tips over the edge that gives the least load, not the most": _picked(
+            np.max
+        ),
+        "one load tips it, over one edge: the least counts, not a mean": _picked(np.mean),
+        "all edges count: take the least load, not that of the first": _picked(lambda one: one[0]),
+        "an edge that the load is not beyond cannot be tipped over: leave negative loads out": (
+            lambda q: float(_anyhow(q).min())
+        ),
+        "an edge that the load is not beyond has no load, not that with another sign": (
+            lambda q: float(np.abs(_anyhow(q)).min())
+        ),
+        "each load's lever ends at its edge, not at the machine's middle": _to_the_middle,
+        "the edge that tips need not be the nearest to the centre of mass: try all four": (
+            _at_edge(lambda inside, beyond: int(inside.argmin()))
+        ),
+        "the edge that tips need not be the one that the load is farthest beyond: try all four": (
+            _at_edge(lambda inside, beyond: int(beyond.argmax()))
+        ),
+        "levers are square on an edge: do not take the load's distance from the middle": _radial(
+            0.0
+        ),
+        "levers are square on an edge: do not take a distance along the arm": _radial(HALF.min()),
+        "it stands to the outer edge of the shoes, not to the inner one": (
+            _least(half=np.array([HALF[0], NARROW - BACKHOE.tracks.shoe_width / 2]))
+        ),
+        "half a gauge lies to each side, not the whole": (
+            _least(half=np.array([HALF[0], HALF[1] + NARROW]))
+        ),
+        "length lies before and behind, gauge to the sides": _least(half=HALF[::-1]),
+        "the right track is missing: an edge lies on both sides": _only([0, 1, 2]),
+        "the right and the rear edge are missing: the arm can point there": _only([0, 1]),
+        "the load lies at the bucket's centre of mass, not at the stick's": _least(
+            frame="stick_com"
+        ),
+        "the undercarriage counts in the centre of mass, too": _without_tracks,
+        "the share is upside down: P l = m d gives P = m d / l": (
+            lambda q: BACKHOE.mass**2 / tipping_load(q)
+        ),
+        "the load is what is added: nothing is to be taken off it": (
+            lambda q: tipping_load(q) - BACKHOE.mass
+        ),
+        "the machine is empty: the bucket's own mass is in the machine's already": (
+            lambda q: tipping_load(q) - BACKHOE.bucket.mass
         ),
         "a factor 9.81: kilograms were asked for, not newtons": _scaled(BACKHOE.gravity),
         "three quarters of it is what a maker may print; here it is the load that tips": (

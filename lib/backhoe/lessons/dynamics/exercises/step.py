@@ -39,6 +39,12 @@ def _position_first(q: ArrayLike, dq: ArrayLike, tau: ArrayLike, dt: float) -> N
     return np.array([q_new, semi_implicit_step(q_new, dq, tau, dt)[1]])
 
 
+def _accelerated(q: ArrayLike, dq: ArrayLike, dt: float, ddq: NDArray) -> NDArray:
+    """The step with another acceleration."""
+    dq_new = dq + dt * ddq
+    return np.array([q + dt * dq_new, dq_new])
+
+
 STEP = Exercise(
     number="2.8",
     title="one step of semi-implicit Euler",
@@ -60,6 +66,50 @@ STEP = Exercise(
         ),
         "the angle needs the step as well: q + dt * dq_new": (
             lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, dt)[[1, 1]] + np.array([q, 0 * q])
+        ),
+        "both lines need the step: dt times the speed, dt times the acceleration": (
+            lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, 1.0)
+        ),
+        "a torque is no acceleration: divide by M, forward_dynamics does it": (
+            lambda q, dq, tau, dt: _accelerated(q, dq, dt, tau)
+        ),
+        "inverse_dynamics gives torques: the acceleration comes from forward_dynamics": (
+            lambda q, dq, tau, dt: _accelerated(q, dq, dt, dynamics.inverse_dynamics(q, dq, tau))
+        ),
+        "M ddq = tau is not the whole equation: forward_dynamics has C dq and g, too": (
+            lambda q, dq, tau, dt: _accelerated(
+                q, dq, dt, np.linalg.solve(dynamics.mass_matrix(q), tau)
+            )
+        ),
+        "the torques are missing: hand tau on to forward_dynamics": (
+            lambda q, dq, tau, dt: semi_implicit_step(q, dq, 0 * np.asarray(tau), dt)
+        ),
+        "the arm moves already: hand dq on to forward_dynamics, C dq is in it": (
+            lambda q, dq, tau, dt: _accelerated(
+                q, dq, dt, dynamics.forward_dynamics(q, 0 * np.asarray(dq), tau)
+            )
+        ),
+        "no friction was asked for": (
+            lambda q, dq, tau, dt: _accelerated(
+                q, dq, dt, dynamics.forward_dynamics(q, dq, tau, True)
+            )
+        ),
+        "that is the acceleration in the second row: return the new speed": (
+            lambda q, dq, tau, dt: np.array(
+                [semi_implicit_step(q, dq, tau, dt)[0], dynamics.forward_dynamics(q, dq, tau)]
+            )
+        ),
+        "those are the changes: add them to q and dq": (
+            lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, dt) - np.array([q, dq])
+        ),
+        "the angle moves with the new speed, dq included": (
+            lambda q, dq, tau, dt: (
+                semi_implicit_step(q, dq, tau, dt)
+                - np.array([dt * np.asarray(dq), 0 * np.asarray(dq)])
+            )
+        ),
+        "the speed does not change in your step: add dt times the acceleration": (
+            lambda q, dq, tau, dt: _accelerated(q, dq, dt, 0 * np.asarray(dq))
         ),
         "the order: return the angles first, then the speeds": (
             lambda q, dq, tau, dt: semi_implicit_step(q, dq, tau, dt)[::-1]

@@ -102,9 +102,8 @@ def chart():
         sides = (-2.6, 7.0, -0.8, 4.0), BACKHOE, over
         scenery = part(lambda ax, sides=sides: drawing.side_axes(ax, *sides))
         items = [*arm, *scenery, *(words(text, at) for text, at in texts.items())]
-        ylabel = HEIGHT if over == "front" else ""
         title = f"rated load over the {over} [t]"
-        panels.append(Panel(REACH, ylabel, items, title, clipped=True))
+        panels.append(Panel(REACH, HEIGHT, items, title, clipped=True))
     return plots.lifting_chart(given, Q), panels
 
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from backhoe.arm import dynamics, integrate
+from backhoe.arm import dynamics, integrate, kinematics
 from backhoe.lessons import published
 from backhoe.lessons.dynamics import bench
-from backhoe.simulation import backends, bullet
+from backhoe.machine import BACKHOE
+from backhoe.simulation import bullet
 
 CASE = published.load("mastalli_2013_free_fall")
 START, TORQUE = np.radians(CASE["start_deg"]), np.array(CASE["case_1"]["torque"])
@@ -39,23 +40,34 @@ def test_pybullet_converges_to_the_exact_fall_at_first_order():
     assert coarse / fine == pytest.approx(2.0, abs=0.05)
 
 
-@pytest.mark.parametrize("default", ["damping", "motors"])
-def test_pybullets_defaults_bend_the_fall(default):
+@pytest.mark.parametrize(("default", "degrees"), [("damping", 0.5), ("motors", 16.0)])
+def test_pybullets_defaults_bend_the_fall(default, degrees):
     pytest.importorskip("pybullet")
     free = bench.let_go(START, TORQUE, 1.0)
     bent = bench.let_go(START, TORQUE, 1.0, **{default: True})
-    assert np.degrees(np.abs(bent.x[-1] - free.x[-1])[:4]).max() > 0.5
+    off = np.degrees(np.abs(bent.x[-1] - free.x[-1])[:4]).max()
+    assert off == pytest.approx(degrees, abs=0.5)
 
 
-def test_without_pybullet_one_line_says_so_and_the_fall_is_the_same(monkeypatch, capsys):
+def test_without_pybullet_the_fall_is_the_same_and_nothing_is_printed(monkeypatch, capsys):
     def missing():
         raise ImportError("not here")
 
     monkeypatch.setattr(bullet, "pybullet", missing)
-    monkeypatch.setattr(backends, "_announced", False)
     fall = bench.let_go(START, TORQUE, 0.1, dt=0.01)
-    assert capsys.readouterr().out.startswith("PyBullet is not installed")
+    assert not capsys.readouterr().out
     np.testing.assert_allclose(fall.x, own_fall(100).x[:11], atol=1e-12)
+
+
+def test_the_replay_of_a_fall_stands_on_the_stand_with_the_way_of_the_other_one():
+    q = own_fall(20).x[:, :4]
+    shown = bench.watch(np.arange(21.0), q, q[:5], "a fall", "The arm falls.").recording
+    way, *legs = (np.asarray(line.points) for line in shown.lines)
+    lift = np.array([0.0, 0.0, bench.STAND])
+    np.testing.assert_allclose(way, kinematics.forward_kinematics(q[:5])[:, :3, 3] + lift)
+    top = BACKHOE.base.height + bench.STAND
+    assert len(legs) == 4
+    assert all(leg[:, 2].tolist() == [top - bench.STAND, top] for leg in legs)
 
 
 def test_bad_input_is_refused():

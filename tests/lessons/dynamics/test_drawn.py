@@ -3,7 +3,7 @@
 import numpy as np
 
 from backhoe.arm import dynamics, kinematics
-from backhoe.lessons.dynamics import figures
+from backhoe.lessons.dynamics import bench, figures
 from backhoe.machine import BACKHOE
 from backhoe.machine.variants import loaded, reading
 from backhoe.view.plots.drawing import draw_arm, side_axes
@@ -91,44 +91,56 @@ def least():
 
 
 def falling():
-    side = scene((-2.6, 8.8, -2.6, 6.0)) + [track(joints(q)) for q in FALL]
-    from_above = [
-        [kinematics.forward_kinematics(q, f)[:2, 3] for f in ("swing", "boom", "stick", "tip")]
-        for q in FALL
+    arm = bench.on_a_stand()
+    pairs = zip(("swing", "boom", "stick"), ("boom", "stick", "tip"), strict=True)
+    items = scene((-2.6, 8.8, 0.0, 6.0), body=arm)
+    top = arm.base.height - 0.2
+    items += [
+        box(-0.5, top - 1.5, 0.5, top),
+        track(in_plane(Q, ("swing", "boom", "stick", "tip"), arm)),
     ]
-    above = [*map(track, from_above), line(SHIFT, 0.0)]
-    fig = figures.falls({"one": FALL, "two": FALL}, ("side", "top"))
-    return fig, [
-        Panel(REACH, HEIGHT, side, "one"),
-        Panel("x, forward [m]", "y, left [m]", above, "two"),
-    ]
+    items += [track(in_plane(q, ends, arm)) for ends in pairs for q in FALL[1:]]
+    fig = figures.falls({"one": FALL, "two": FALL, "three": FALL})
+    assert not fig.axes[3].axison
+    assert [t.get_text() for t in fig.axes[3].get_legend().texts] == [*LINKS, "start"]
+    titles = ("one", "two", "three")
+    return fig, [Panel("reach [m]", "height [m]", items, title) for title in titles]
 
 
 def candidates():
     other = reading([-1.9, -3.8, 14.1, -11.4])
     torque = dynamics.gravity_torque(Q)
     panels = []
-    for title, machine, label in (("hang", BACKHOE, "height [m]"), ("other", other, "")):
+    for title, machine in (("hang", BACKHOE), ("other", other)):
         miss = np.abs(dynamics.gravity_torque(Q, machine=machine) - torque).max() / 1e3
         items = scene((0.0, 9.4, -0.8, 4.2), Q, machine, None)
         items += [track([at]) for at in centres(Q, machine)]
         title = f"{title}\nmisses by {miss:.2f} kN m"
-        panels.append(Panel("reach [m]", label, items, title, clipped=True))
+        panels.append(Panel("reach [m]", "height [m]", items, title, clipped=True))
     return figures.candidates({"hang": BACKHOE, "other": other}, Q, torque), panels
 
 
 def held():
     q = np.radians([0.0, 10.0, -5.0, 30.0])
-    bars = [upright(0.0)]
+    rows = {"boom": 0, "stick": 0, "bucket": 1}
+    bars = {name: [upright(0.0)] for name in ("boom", "stick")}
     for shift, machine in ((-0.2, BACKHOE), (0.2, loaded(2e3))):
-        for row, torque in enumerate(dynamics.gravity_torque(q, machine=machine)[1:] / 1e3):
-            at = row + shift
-            bars += [box(0.0, at - 0.18, torque, at + 0.18), words(f"{torque:.1f}", (torque, at))]
+        torques = dynamics.gravity_torque(q, machine=machine)[1:] / 1e3
+        for name, torque in zip(LINKS, torques, strict=True):
+            at = rows[name] + shift
+            bars["boom" if name == "boom" else "stick"] += [
+                box(0.0, at - 0.18, torque, at + 0.18),
+                words(f"{torque:.1f}", (torque, at)),
+            ]
     fig = figures.holding(10.0, -5.0, 30.0, load=2.0)
-    assert [t.get_text() for t in fig.axes[1].get_yticklabels()] == list(LINKS)
+    assert [[t.get_text() for t in ax.get_yticklabels()] for ax in fig.axes[1:]] == [
+        ["boom"],
+        ["stick", "bucket"],
+    ]
     return fig, [
         Panel(REACH, HEIGHT, scene((-2.6, 9.2, -4.4, 8.0), q)),
-        Panel("holding torque [kN m]", "", bars, "striped: with 2 t", clipped=True),
+        Panel("holding torque [kN m]", "joint", bars["boom"], "striped: with 2 t", clipped=True),
+        Panel("holding torque [kN m]", "joint", bars["stick"], clipped=True),
     ]
 
 

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from backhoe.arm import dynamics
+from backhoe.arm import dynamics, integrate
+from backhoe.lessons import published
 from backhoe.lessons.dynamics import figures, printed
 from backhoe.machine import BACKHOE
 from backhoe.machine.variants import reading
+from backhoe.view.plots.style import LINK_COLOURS
 
 HELD = np.radians([0.0, 15.0, 10.0, 20.0])
 
@@ -24,7 +26,7 @@ def test_weights_times_their_shown_lever_arms_are_the_boom_torque():
 
 
 def test_holding_shows_the_empty_and_the_loaded_torques():
-    shown = texts(figures.holding(10.0, 0.0, 0.0).axes[1])
+    shown = set().union(*map(texts, figures.holding(10.0, 0.0, 0.0).axes[1:]))
     empty = dynamics.gravity_torque(np.radians([0.0, 10.0, 0.0, 0.0]))[1:] / 1e3
     assert {f"{value:.1f}" for value in empty} <= shown
     assert len(shown) == 6
@@ -32,9 +34,29 @@ def test_holding_shows_the_empty_and_the_loaded_torques():
 
 def test_falls_draws_every_posture_and_marks_the_start():
     ax = figures.falls({"still": np.tile(HELD, (5, 1))}).axes[0]
-    chains = [line for line in ax.lines if len(line.get_xdata()) == 4]
-    assert len(chains) == 5
-    assert len({line.get_color() for line in chains}) == 2
+    starts = [line for line in ax.lines if line.get_linestyle() == "--"]
+    links = [line for line in ax.lines if line.get_label().strip("_") in LINK_COLOURS]
+    assert [len(line.get_xdata()) for line in starts] == [4]
+    assert len(links) == 4 * 3
+    assert all(line.get_color() == LINK_COLOURS[line.get_label().strip("_")] for line in links)
+
+
+def test_no_posture_of_the_three_falls_is_drawn_below_the_ground():
+    """The stand is there for that."""
+    case = published.load("mastalli_2013_free_fall")
+    start = np.concatenate([np.radians(case["start_deg"]), np.zeros(4)])
+    motions = {}
+    for number in (1, 2, 3):
+        torque = np.array(case[f"case_{number}"]["torque"])
+
+        def acceleration(t, q, dq, torque=torque):
+            return dynamics.forward_dynamics(q, dq, torque)
+
+        rolled = integrate.rk4(integrate.motion(acceleration), start, 0.02, 50)
+        motions[f"case {number}"] = rolled.x[:, :4]
+    for ax in figures.falls(motions).axes[:3]:
+        links = [line for line in ax.lines if line.get_label().strip("_") in LINK_COLOURS]
+        assert min(line.get_ydata().min() for line in links) > 0.3
 
 
 def test_the_zero_line_is_drawn_only_where_definiteness_is_lost():
@@ -66,8 +88,7 @@ def test_gravity_map_spans_the_torques_within_the_limits():
     "call, message",
     [
         (lambda: figures.gravity_map(0), "joint must be"),
-        (lambda: figures.falls({}), "0 views for 0 motions"),
-        (lambda: figures.falls({"a": [HELD]}, views=("back",)), "unknown view"),
+        (lambda: figures.falls({}), "no motion to draw"),
         (lambda: figures.weights([0.0, 1.0]), "4 joints"),
     ],
 )

@@ -1,1 +1,1 @@
-"""Lesson 02, `02_dynamics`: its exercises, figures and printed formulas."""
+"""Lessons 02a to 02c: their exercises, figures, bench and printed formulas."""

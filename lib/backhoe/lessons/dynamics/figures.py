@@ -1,19 +1,26 @@
 """Figures of forces and motion: weights on the arm, fields over it, falls in sequence."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm import dynamics, kinematics
+from backhoe.lessons.dynamics.bench import STAND, on_a_stand
 from backhoe.machine import BACKHOE, Machine
 from backhoe.machine.variants import loaded
-from backhoe.view.plots.drawing import HEIGHT_LABEL, draw_arm, metre_ticks, plane_points, side_axes
-from backhoe.view.plots.style import DARK, GREEN, GREY, LINK_COLOURS, RED, figure, styled
+from backhoe.view.plots.drawing import (
+    HEIGHT_LABEL,
+    draw_arm,
+    plane_points,
+    side_axes,
+)
+from backhoe.view.plots.style import DARK, GREY, LINK_COLOURS, LOOKS, STEEL, figure, styled
 
-SIDE = (-2.6, 8.8, -2.6, 6.0)
+SIDE = (-2.6, 8.8, 0.0, 6.0)
 
 
 @styled
@@ -111,42 +118,36 @@ def least_eigenvalue(
 
 
 @styled
-def falls(
-    motions: Mapping[str, ArrayLike],
-    views: Sequence[str] = (),
-    machine: Machine = BACKHOE,
-) -> Figure:
-    """Arm sequences side by side as in the thesis's figures: green the start, red what follows.
+def falls(motions: Mapping[str, ArrayLike], machine: Machine = BACKHOE) -> Figure:
+    """Falls from a stand side by side, in the arm's plane: a dashed start, and what follows.
 
     Args:
         motions: title -> joint angles at equal time steps, shape (n, 4) [rad].
-        views: "side" or "top" for each motion; the side unless told.
 
     Raises:
-        ValueError: no motion, a wrong shape, or a view that is neither "side" nor "top".
+        ValueError: no motion, or a wrong shape.
     """
-    views = tuple(views) or ("side",) * len(motions)
-    if not motions or len(views) != len(motions):
-        raise ValueError(f"{len(views)} views for {len(motions)} motions")
-    if unknown := set(views) - {"side", "top"}:
-        raise ValueError(f"unknown view {sorted(unknown)}: the views are side and top")
-    count = len(motions)
-    fig, axes = figure(6.8, 4.6 if count == 1 else 1.1 + 4.4 / count, 1, count, squeeze=False)
-    for ax, view, (title, q) in zip(axes[0], views, motions.items(), strict=True):
-        points = _chain(q, view, machine)
-        if view == "side":
-            side_axes(ax, SIDE, machine)
-            ax.set_ylabel(HEIGHT_LABEL if ax is axes[0, 0] else "")
-        else:
-            ax.set(aspect="equal", xlabel="x, forward [m]", ylabel="y, left [m]")
-            ax.set(xlim=(-9, 9), ylim=(-7.5, 7.5))
-            metre_ticks(ax, 4.0)
-            ax.plot(machine.base.offset, 0, "+", color=GREY, ms=12)
-        shades = np.linspace(0.25, 1.0, len(points) - 1)
+    if not motions:
+        raise ValueError("no motion to draw")
+    machine, rows = on_a_stand(machine), -(-len(motions) // 2)
+    fig, axes = figure(6.8, 0.4 + 2.1 * rows, rows, 2, squeeze=False)
+    for ax, (title, q) in zip(axes.flat, motions.items(), strict=False):
+        points = plane_points(q, machine)
+        side_axes(ax, SIDE, machine)
+        foot = (-0.5, machine.base.height - 0.2 - STAND)
+        ax.add_patch(Rectangle(foot, 1.0, STAND, facecolor=STEEL, edgecolor=GREY, zorder=1))
+        shades = np.linspace(0.2, 1.0, len(points) - 1)
         for chain, shade in zip(points[1:], shades, strict=True):
-            ax.plot(*chain.T, "-o", color=RED, alpha=shade, lw=1.6, ms=3.5, zorder=5)
-        ax.plot(*points[0].T, "-o", color=GREEN, lw=2.6, ms=4.5, zorder=6)
-        ax.set_title(title)
+            for name, ends in zip(LINK_COLOURS, _pairs(chain), strict=True):
+                colour, marker = LOOKS[name]
+                look = {"color": colour, "alpha": shade, "marker": marker}
+                look["label"] = name if shade == 1.0 else f"_{name}"
+                ax.plot(*ends.T, lw=2.2, zorder=5, markevery=[1], ms=4.5, **look)
+        ax.plot(*points[0].T, "--", color=GREY, lw=1.8, zorder=6, label="start")
+        ax.set(title=title, xlabel="reach [m]", ylabel="height [m]")
+    for ax in axes.flat[len(motions) :]:
+        ax.axis("off")
+        ax.legend(*[some[-4:] for some in axes[0, 0].get_legend_handles_labels()], loc="center")
     return fig
 
 
@@ -169,8 +170,7 @@ def candidates(readings: Mapping[str, Machine], q: ArrayLike, torque: ArrayLike)
             ax.plot(*point, "o", ms=7, color=LINK_COLOURS[name], mec=DARK, zorder=8)
         miss = np.abs(dynamics.gravity_torque(q, machine=machine) - torque).max() / 1e3
         ax.set_title(f"{title}\nmisses by {miss:.2f} kN m")
-        ax.set_xlabel("reach [m]")
-    axes[0, 0].set_ylabel("height [m]")
+        ax.set(xlabel="reach [m]", ylabel="height [m]")
     return fig
 
 
@@ -186,24 +186,33 @@ def holding(
     """
     full = loaded(1e3 * load, machine)
     q = np.radians([0.0, boom, stick, bucket])
-    fig, (ax, bars) = figure(6.8, 3.9, 1, 2, width_ratios=(1.4, 1.0))
+    fig, blank = figure(6.8, 3.9)
+    blank.remove()
+    grid = fig.add_gridspec(2, 2, width_ratios=(1.4, 1.0), height_ratios=(1.0, 2.0))
+    ax = fig.add_subplot(grid[:, 0])
     draw_arm(ax, q, machine)
     side_axes(ax, (-2.6, 9.2, -4.4, 8.0), machine)
     ax.set_ylabel(HEIGHT_LABEL)
-    for shift, hatch, variant in ((-0.2, "", machine), (0.2, "///", full)):
-        torque = dynamics.gravity_torque(q, machine=variant)[1:] / 1e3
-        look = {"color": list(LINK_COLOURS.values()), "edgecolor": DARK, "hatch": hatch}
-        rows = np.arange(3) + shift
-        bars.barh(rows, torque, height=0.36, alpha=0.9 if hatch == "" else 0.55, **look)
-        for row, value in zip(rows, torque, strict=True):
-            away = {"xytext": (4 if value >= 0 else -4, 0), "textcoords": "offset points"}
-            side = "left" if value >= 0 else "right"
-            bars.annotate(f"{value:.1f}", (value, row), **away, va="center", ha=side, size=9)
-    bars.axvline(0.0, color=DARK, lw=1)
-    bars.set(xlim=(-150, 330), xlabel="holding torque [kN m]", title=f"striped: with {load:g} t")
-    bars.set_yticks(range(3), list(LINK_COLOURS))
-    bars.invert_yaxis()
+    large, small = fig.add_subplot(grid[0, 1]), fig.add_subplot(grid[1, 1])
+    for bars, names, limit in ((large, ["boom"], 330), (small, ["stick", "bucket"], 66)):
+        for shift, hatch, variant in ((-0.2, "", machine), (0.2, "///", full)):
+            torque = dict(zip(LINK_COLOURS, dynamics.gravity_torque(q, variant)[1:], strict=True))
+            for row, name in enumerate(names):
+                _bar(bars, torque[name] / 1e3, row + shift, LINK_COLOURS[name], hatch)
+        bars.axvline(0.0, color=GREY, lw=1)
+        bars.set(xlim=(-limit / 2, limit), ylim=(len(names) - 0.5, -0.5))
+        bars.set_yticks(range(len(names)), names)
+        bars.set(xlabel="holding torque [kN m]", ylabel="joint")
+    large.set_title(f"striped: with {load:g} t")
     return fig
+
+
+def _bar(ax: Axes, value: float, row: float, colour: str, hatch: str) -> None:
+    alpha = 0.55 if hatch else 0.9
+    ax.barh(row, value, 0.36, color=colour, edgecolor=GREY, hatch=hatch, alpha=alpha)
+    away = {"xytext": (4 if value >= 0 else -4, 0), "textcoords": "offset points"}
+    side = "left" if value >= 0 else "right"
+    ax.annotate(f"{value:.1f}", (value, row), **away, va="center", ha=side, size=9)
 
 
 def _joint(joint: int) -> str:
@@ -217,11 +226,9 @@ def _centre_of_mass(q: ArrayLike, name: str, machine: Machine) -> NDArray:
     return np.array([(x - machine.base.offset) * np.cos(swing) + y * np.sin(swing), z])
 
 
-def _chain(q: ArrayLike, view: str, machine: Machine) -> NDArray:
-    """Joints and teeth of each posture, (n, 4, 2): reach and height, or x and y from above."""
-    if view == "side":
-        return plane_points(q, machine)
-    return kinematics.link_transforms(q, machine=machine)[..., :2, 3]
+def _pairs(chain: NDArray) -> NDArray:
+    """Both ends of each link, shape (3, 2, 2), of its joints and teeth, shape (4, 2)."""
+    return np.stack((chain[:-1], chain[1:]), axis=1)
 
 
 def _coloured(fig: Figure, ax: Axes, x: NDArray, y: NDArray, values: NDArray, label: str) -> None:

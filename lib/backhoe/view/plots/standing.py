@@ -16,7 +16,7 @@ from backhoe.view.plots.drawing import (
     metre_ticks,
     side_axes,
 )
-from backhoe.view.plots.style import BLUE, COLOURS, DARK, GREEN, GREY, RED, figure, styled
+from backhoe.view.plots.style import BLUE, COLOURS, DARK, GREEN, GREY, MARKERS, RED, figure, styled
 from backhoe.whole_body import stability
 
 
@@ -62,9 +62,9 @@ def balance(q: ArrayLike, points: Mapping[str, ArrayLike], machine: Machine = BA
     corners = stability.support_polygon(machine)
     ax.add_patch(Polygon(corners, facecolor=GREEN, alpha=0.15, lw=0, zorder=1))
     ax.add_patch(Polygon(corners, fill=False, edgecolor=GREEN, lw=1.8, zorder=3))
-    for (label, point), colour in zip(points.items(), COLOURS, strict=False):
+    for (label, point), colour, mark in zip(points.items(), COLOURS, MARKERS, strict=False):
         x, y = numbers(point, label, (2,), meaning="x, y [m]")
-        ax.plot(x, y, "o", color=colour, mec=DARK, ms=8, zorder=6, label=label)
+        ax.plot(x, y, mark, color=colour, mec=DARK, ms=8, zorder=6, label=label)
     ax.set(xlim=(-3.0, 5.5), ylim=(-2.4, 2.4), aspect="equal")
     metre_ticks(ax, 1.0)
     ax.legend(loc="lower right")
@@ -105,6 +105,5 @@ def lifting_chart(
                 at = chart.radius[j], chart.height[k]
                 box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": GREY, "lw": 0.5}
                 ax.text(*at, text, ha="center", va="center", fontsize=9, bbox=box, zorder=7)
-        ax.set(title=f"rated load over the {over} [t]")
-    axes[0].set(ylabel=HEIGHT_LABEL)
+        ax.set(title=f"rated load over the {over} [t]", ylabel=HEIGHT_LABEL)
     return fig

@@ -69,6 +69,13 @@ GRAMMAR = {
         "front driven": (RED, "D"),
     },
     "tracks": {"left track": (ORANGE, "s"), "right track": (BLUE, "o")},
+    "integrators": {
+        "explicit Euler": (RED, "v"),
+        "semi-implicit Euler": (BLUE, "o"),
+        "symplectic Euler": (GREEN, "s"),
+        "trapezoid": (ORANGE, "^"),
+        "RK4": (PURPLE, "D"),
+    },
     "filters": {
         "odometry": (ORANGE, "v"),
         "EKF": (BLUE, "o"),

@@ -40,14 +40,14 @@ def test_right_parts_that_know_the_load_win_against_the_library(library):
     assert (library > 5 * NOISE).all()
 
 
-@pytest.mark.parametrize("mistake", GRAVITY.mistakes)
-def test_each_mistake_in_the_gravity_torque_moves_both_numbers(mistake, library):
+@pytest.mark.parametrize("mistake", list(GRAVITY.mistakes)[::6])
+def test_a_mistake_in_the_gravity_torque_moves_both_numbers(mistake, library):
     off = errors(gravity_torque=GRAVITY.mistakes[mistake], inertia_matrix=INERTIA.reference)
     assert (off > 10 * NOISE).all()
 
 
-@pytest.mark.parametrize("mistake", INERTIA.mistakes)
-def test_each_mistake_in_the_inertia_matrix_moves_the_error_on_the_way(mistake):
+@pytest.mark.parametrize("mistake", list(INERTIA.mistakes)[::6])
+def test_a_mistake_in_the_inertia_matrix_moves_the_error_on_the_way(mistake):
     assert errors(inertia_matrix=INERTIA.mistakes[mistake])[0] > 4 * NOISE
 
 

@@ -1,5 +1,6 @@
 """What a score is made of and what the sensors of a drive show, on runs that are made up."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -45,7 +46,7 @@ def test_the_force_of_a_track_is_a_root_mean_square_in_newtons():
     run = SimpleNamespace(
         traction=np.array([[9e9, 9e9], [3e4, -4e4], [-3e4, 4e4]]),
         metrics=SimpleNamespace(d_mean=0.0, d_max=0.0, d_ratio=1.0),
-        assessment=SimpleNamespace(lag=0.0),
+        assessment=SimpleNamespace(lag=0.0, time_error_mean=0.25, change_omega=3.0),
         time=[0.0, 1.0],
         reached=True,
         swapped=(),
@@ -54,7 +55,12 @@ def test_the_force_of_a_track_is_a_root_mean_square_in_newtons():
         long_steps=np.nan,
         least=None,
     )
-    assert _measure_drive(run).push == pytest.approx(np.sqrt((9e8 + 16e8) / 2))
+    found = _measure_drive(run)
+    assert found.push == pytest.approx(np.sqrt((9e8 + 16e8) / 2))
+    assert "steering" not in str(found)
+    shown = str(replace(found, swapped=("tracker",), late=0.021))
+    rows = [line.split()[-1] for line in shown.splitlines()[2:]]
+    assert rows[3:6] == ["0.02", "25.0", "3.0"]
 
 
 class Standing:

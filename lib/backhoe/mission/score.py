@@ -62,7 +62,7 @@ class Score:
 
 @dataclass(frozen=True)
 class DriveScore:
-    """A drive in twelve numbers, beside the reference drive.
+    """A drive in numbers, beside the reference drive.
 
     `distance` the mean and `farthest` the largest distance from the path [m], `way` the length
     driven over that of the path, `late` by which delay the drive is explained best [s] (NaN without
@@ -72,7 +72,10 @@ class DriveScore:
     odometry's places move when it is asked seldom [m] (NaN without one), `margin` and
     `margin_time` as in `Score` (NaN without tracks). `claimed` is the place's standard deviation
     as the localisation claims it [m], `nees` and `nis` how large the pose's errors and the fixes'
-    surprises are by its claims, on average 3 and 2 if it is honest [1]; NaN without claims.
+    surprises are by its claims, on average 3 and 2 if it is honest [1]; NaN without claims. Shown
+    of a swapped tracker alone: `off_goal`, the mean distance from where the trajectory wanted it at
+    each moment [m] (NaN without times), and `steering`, the sum of the steps of the turning rate
+    that was asked for [rad/s].
     """
 
     distance: float
@@ -92,6 +95,8 @@ class DriveScore:
     claimed: float = np.nan
     nees: float = np.nan
     nis: float = np.nan
+    off_goal: float = np.nan
+    steering: float = np.nan
 
     def __str__(self) -> str:
         rows = [
@@ -103,6 +108,12 @@ class DriveScore:
             ("force of a track [kN]", "{:.0f}", lambda score: score.push / 1e3),
             ("arrived", "{}", lambda score: "yes" if score.reached else "no"),
         ]
+        if "tracker" in self.swapped:
+            rows[3] = ("late by [s]", "{:.2f}", lambda score: round(score.late, 2) + 0.0)
+            rows[4:4] = [
+                ("off the goal [cm]", "{:.1f}", lambda score: 100 * score.off_goal),
+                ("steering [rad/s]", "{:.1f}", lambda score: score.steering),
+            ]
         if not np.isnan(self.margin):
             rows += MARGIN_ROWS
         if not np.isnan(self.position_error):
@@ -230,6 +241,8 @@ def _measure_drive(run: DriveRun) -> DriveScore:
         time=float(run.time[-1]),
         push=float(push),
         reached=run.reached,
+        off_goal=run.assessment.time_error_mean,
+        steering=run.assessment.change_omega,
         swapped=run.swapped,
         long_steps=run.long_steps,
         **_estimate_errors(run),

@@ -3,11 +3,12 @@
 Places are complex, x + iy: dividing by e^(i theta) looks at them from the heading theta.
 """
 
+from itertools import pairwise
 from math import factorial
 
 import numpy as np
 from scipy.integrate import quad, solve_ivp
-from scipy.linalg import expm
+from scipy.linalg import expm, solve_discrete_lyapunov
 from scipy.optimize import brentq, fsolve, linprog
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
@@ -219,6 +220,43 @@ def error_in_a_bend(integral, reset=False):
 
 def error_in_a_bend_with_code_52(integral):
     return error_in_a_bend(integral, reset=True)
+
+
+# Section 5.4: what helps against noise
+
+
+def noise_moves_it_least(controller, v=0.3, ahead=0.24, T=0.05):
+    """Variance aside of a straight line, from the Lyapunov equation of the loop."""
+    for k, k_i in ((2.0, 1.0), (4.0, 1.0), (6.0, 1.5), (6.0, 4.0)):
+        aside = {}
+        for name, integral in (("P", 0.0), ("PI", k_i)):
+            seen = np.array([-1.0, -ahead, 0.0])  # Delta y of place aside, heading, integral
+            omega = (k + integral * T) * seen + (0, 0, integral)
+            A = np.eye(3) + np.outer((v * T**2 / 2, T, 0), omega) + np.outer((0, 0, T), seen)
+            A[0, 1] += v * T
+            B = -np.array([v * T**2 / 2, T, 0]) * (k + integral * T) - (0, 0, T)
+            size = 3 if integral else 2
+            A, B = A[:size, :size], B[:size]
+            aside[name] = solve_discrete_lyapunov(A, np.outer(B, B))[0, 0]
+        assert controller(k, k_i) == min(aside, key=aside.get)
+
+
+def least_moved(k, k_i):
+    line = tracking.from_points([(0, 0), (120, 0)]).with_times(0.3)
+    spread = {}
+    for name, gains in (("P", (k,)), ("PI", (k, k_i))):
+        pid, rng = tracking.PIDTracker((1.25,), gains, (0.0,)), np.random.default_rng(7)
+
+        def noisy(pose, *others, pid=pid, rng=rng):
+            return pid(np.add(pose, (0, 0.02 * rng.normal(), 0)), *others)
+
+        run = tracking.follow(noisy, tracking.IdealPlant(0.05), line, mode="trajectory")
+        spread[name] = run.pose[:, 1].std()
+    return min(spread, key=spread.get)
+
+
+def recommended_in_noise(k, k_i):
+    return "PI"
 
 
 # Section 5.4.1: two distances
@@ -767,3 +805,44 @@ def state_of_code_71(messages, T, vel=0.0, twist_z=0.0):
     for message in messages:
         x, y, yaw = _code_71(message)
     return x, y, yaw, vel, twist_z
+
+
+# Section 6.3: farther off or shorter at higher speeds
+
+
+def at_twice_the_speed_it_is_so(expected):
+    """P, and Taylor's rule, written in complex numbers, round an eight on an ideal vehicle."""
+    eight = tracking.figure_eight(1.5).points
+    for law in (lambda seen: (1.25 * abs(seen), 6.0 * seen.imag),
+                lambda seen: (2.0 * abs(seen), 2.0 * np.angle(seen))):  # fmt: skip
+        runs = [_round(law, eight @ (1, 1j), v) for v in (0.1, 0.2, 0.4)]
+        for slow, fast in pairwise(runs):
+            assert expected(slow, fast, eight)
+
+
+def _round(law, path, v, T=0.05):
+    arc = np.append(0, np.cumsum(abs(np.diff(path))))
+    here, heading, run = 0j, np.pi / 4, [0j]
+    for n in range(1, round(arc[-1] / v / T) + 1):
+        goal = np.interp(n * T * v, arc, path)
+        V, W = law((goal - here) / np.exp(1j * heading))
+        here += V * T * np.sinc(W * T / 2 / np.pi) * np.exp(1j * (heading + W * T / 2))
+        heading += W * T
+        run.append(here)
+    return np.column_stack((np.real(run), np.imag(run)))
+
+
+def farther_off_or_shorter(slow, fast, path):
+    slow, fast = (tracking.metrics(run, path) for run in (slow, fast))
+    return fast.d_mean > slow.d_mean or fast.d_ratio < slow.d_ratio
+
+
+def farther_or_shorter_63(slow, fast, path):
+    fine = KDTree(tracking.Path(path).resample(0.002).points)
+    off = [fine.query(run)[0].mean() for run in (slow, fast)]
+    return off[1] > off[0] or shorter_63(slow, fast, path)
+
+
+def shorter_63(slow, fast, path):
+    slow, fast = (abs(np.diff(run @ (1, 1j))).sum() for run in (slow, fast))
+    return fast < slow

@@ -601,22 +601,6 @@ def test_the_table_is_the_same_text_every_time():
     assert not re.search(r" +$", comparison().table(), re.MULTILINE)
 
 
-def test_the_radar_chart_divides_each_metric_by_its_worst():
-    found = comparison()
-    radar = found.radar("square", ("d_mean", "d_ratio", "change_omega"))
-    row = found.paths.index("square")
-    bad = np.column_stack(
-        [
-            found.values["d_mean"][row],
-            np.abs(found.values["d_ratio"][row] - 1),
-            found.values["change_omega"][row],
-        ]
-    )
-    np.testing.assert_allclose(radar.values * radar.scales, bad)
-    np.testing.assert_array_equal(radar.values.max(axis=0), 1.0)
-    assert radar.trackers == ("P", "v2")
-
-
 def test_time_errors_enter_a_comparison_of_trajectories():
     paths = {"eight": tracking.figure_eight().with_times(0.3)}
     trackers = {"P": tracking.TRACKERS["P"]()}
@@ -629,8 +613,6 @@ def test_time_errors_enter_a_comparison_of_trajectories():
     ("use", "error", "message"),
     [
         (lambda c: c.table(("d_men",)), ValueError, "field must be one of d_mean, d_std"),
-        (lambda c: c.radar("oval"), ValueError, "path must be one of circle, square, got 'oval'"),
-        (lambda c: c.radar("circle", ("x",)), ValueError, "field must be one of"),
         (lambda c: tracking.compare({}, PATHS, IdealPlant), ValueError, "at least one tracker"),
         (
             lambda c: tracking.compare({"P": tracking.TRACKERS["P"]()}, PATHS, IdealPlant()),

@@ -3,6 +3,8 @@
 Places are complex, x + iy; dividing by e^(i theta) looks at them from a heading theta.
 """
 
+from fractions import Fraction
+
 import numpy as np
 from numpy.testing import assert_allclose
 
@@ -101,7 +103,11 @@ def the_arc_ends_on_the_point_ahead(answer, pose, path, lookahead, speed):
     v, omega = answer
     turn = 2 * np.angle((target - here) / heading)
     assert_allclose(v, speed)
-    assert_allclose(here + v / (1j * omega) * heading * (np.exp(1j * turn) - 1), target, rtol=1e-9)
+    if abs(turn) < 1e-12:
+        assert abs(omega) < 1e-12
+    else:
+        end = here + v / (1j * omega) * heading * (np.exp(1j * turn) - 1)
+        assert_allclose(end, target, rtol=1e-9)
 
 
 def it_trails_by_the_rate_over_the_gain(tracker):
@@ -118,6 +124,20 @@ def it_trails_by_the_rate_over_the_gain(tracker):
         aside.append(np.angle(seen[-20:-5]))
     assert_allclose(late[0], 0.1, rtol=1e-3)
     assert_allclose(aside[1], 0.1, rtol=1e-3)
-    behind = tracking.Goal(np.array([-1.0, 0.1]), np.zeros(2), 0.4, np.zeros((2, 2)), 0.0)
-    v, omega = tracker(np.array([0, 0, 2 * np.pi]), np.zeros(2), behind, 0.05)
-    assert_allclose((v, omega), (0, 4 * (np.pi - np.arctan(0.1))), rtol=1e-9)
+    for side in (1, -1):
+        behind = tracking.Goal(
+            np.array([-1.0, 0.1 * side]), np.zeros(2), 0.4, np.zeros((2, 2)), 0.0
+        )
+        v, omega = tracker(np.array([0, 0, 2 * np.pi]), np.zeros(2), behind, 0.05)
+        assert_allclose((v, omega), (0, side * 4 * (np.pi - np.arctan(0.1))), rtol=1e-9)
+
+
+def the_same_is_left_after_many_samples(answer, k, T0, new_T0):
+    """As many samples of each as make the same time, and what they leave, one by one."""
+    ratio = Fraction(new_T0 / T0).limit_denominator(50)
+    left = [1.0, 1.0]
+    for _ in range(ratio.numerator):
+        left[0] *= 1 - k
+    for _ in range(ratio.denominator):
+        left[1] *= 1 - answer
+    assert_allclose(left[1], left[0], rtol=1e-9, atol=1e-12)

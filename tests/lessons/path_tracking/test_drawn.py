@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from backhoe.lessons.path_tracking import figures
+from backhoe.lessons.path_tracking.figures import blocks, comparing
+from backhoe.lessons.path_tracking.figures import errors as figures
 from backhoe.vehicle import tracking
-from drawn import Panel, arrow, ellipse, proofs, shape, track, words
+from drawn import Panel, arrow, box, ellipse, faults, proofs, shape, survivors, track, words
 
 POSE = np.array([0.3, 0.2, 0.2])
 PATH = np.array([(-0.5, 0.1), (0.9, 0.2), (2.0, 1.2)])
@@ -90,26 +91,73 @@ def pursued():
     return fig, [Panel("$x$ [m]", "$y$ [m]", items)]
 
 
-def charted():
-    values = np.array([[1.0, 0.5, 0.1, 0.7], [0.2, 1.0, 1.0, 0.6]])
-    one = tracking.Radar(("a", "b", "c", "d"), ("P", "PI"), values, (0.1, 0.25, 3.0, 4.0))
-    other = tracking.Radar(("a", "b", "c"), ("P", "PI"), values[:, ::-1][:, :3], (1.0, 2.0, 3.0))
-    fig = figures.radar({"one": one, "two": other}, {"a": "mean"})
+def boxed():
+    """Each box and its words, an arrow from each source, and the way back of what is measured."""
+    names, panels = ("P", "Scaglia v3"), []
+    for name in names:
+        diagram = blocks.DIAGRAMS[name]
+        columns = (diagram.looks, [*diagram.works], [*diagram.laws])
+        left, right, items, at = (0.0, 2.4, 5.2), (1.75, 4.5, 7.65), [], {}
+        for place, column in enumerate(columns):
+            for k, text in enumerate(column):
+                y = 2 - (2 * k + 1) / len(column)
+                at[place, k] = y
+                items += [box(left[place], y - 0.28, right[place], y + 0.28)]
+                items += [words(text, ((left[place] + right[place]) / 2, y))]
+        for place, needs in enumerate((diagram.works.values(), diagram.laws.values())):
+            for k, sources in enumerate(needs):
+                for source in sources:
+                    start = right[place], at[place, source]
+                    items += [arrow(start, (left[place + 1], at[place + 1, k]))]
+        for k, text in enumerate(("$v$", r"$\omega$")):
+            items += [
+                arrow((7.65, at[2, k]), (8.35, at[2, k])),
+                words(text, (7.95, at[2, k] + 0.08)),
+            ]
+        items += [box(8.35, 0, 9.3, 2), words("limits", (8.825, 1)), arrow((9.3, 1), (9.75, 1))]
+        items += [box(9.75, 0, 10.85, 2), words("vehicle", (10.3, 1))]
+        lowest = at[0, len(diagram.looks) - 1] - 0.28
+        items += [track([(10.3, 0), (10.3, -0.55), (0.875, -0.55)]), words("measured", (5.2, -0.5))]
+        items += [arrow((0.875, -0.55), (0.875, lowest))]
+        panels.append(Panel("", "", items, name))
+    return blocks.controllers(names), panels
+
+
+def test_the_boxes_of_controllers_are_drawn_and_none_else():
+    fig, panels = boxed()
+    for ax in fig.axes:
+        ax.axison = True
+    assert not faults(fig, panels)
+    assert not survivors(fig, panels)[1]
+
+
+def test_an_arrow_starts_at_each_box_that_is_looked_at_or_worked_out():
+    for diagram in blocks.DIAGRAMS.values():
+        for column, needs in ((diagram.looks, diagram.works), (diagram.works, diagram.laws)):
+            used = {source for sources in needs.values() for source in sources}
+            assert used == set(range(len(column)))
+
+
+def measured_twice():
+    path = {name: tracking.square(side) for name, side in (("small", 1.0), ("large", 2.0))}
+    trackers = {name: tracking.TRACKERS[name]() for name in ("P", "pure pursuit")}
+    before, after = (
+        tracking.compare(trackers, path, lambda dt=dt: tracking.IdealPlant(dt))
+        for dt in (0.05, 0.1)
+    )
+    fields = {"d_mean": ("mean [mm]", 1e3), "change_omega": ("steering [rad/s]", 1.0)}
     panels = []
-    for ax, (title, chart) in zip(fig.axes, {"one": one, "two": other}.items(), strict=True):
-        angle = 2 * np.pi * np.arange(len(chart.fields)) / len(chart.fields)
-        closed = [
-            track(np.c_[[*angle, 0.0], [*row, row[0]]], name)
-            for name, row in zip(chart.trackers, chart.values, strict=True)
-        ]
-        panels.append(Panel("", "", closed, title))
-        names = ["mean" if field == "a" else field for field in chart.fields]
-        names = [f"{name}\n{one:.2g}" for name, one in zip(names, chart.scales, strict=True)]
-        assert [t.get_text() for t in ax.get_xticklabels()] == names
-        np.testing.assert_allclose(ax.get_xticks(), angle)
+    for row, title in enumerate(path):
+        for field, (label, unit) in fields.items():
+            items = []
+            for k in range(2):
+                one, other = (unit * each.values[field][row, k] for each in (before, after))
+                items += [track([(one, k), (other, k)]), track([(one, k)]), track([(other, k)])]
+            panels.append(Panel(label, "tracker", items, title if field == "d_mean" else ""))
+    fig = comparing.measures(before, after, fields)
+    assert [t.get_text() for t in fig.axes[0].get_yticklabels()] == ["P", "pure pursuit"]
     return fig, panels
 
 
-TestDrawn = proofs(
-    figures, {"nearest": touched, "pose_errors": erred, "pursuit": pursued, "radar": charted}
-)
+TestDrawn = proofs(figures, {"nearest": touched, "pose_errors": erred, "pursuit": pursued})
+TestCompared = proofs(comparing, {"measures": measured_twice})

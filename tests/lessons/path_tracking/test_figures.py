@@ -4,12 +4,21 @@ import numpy as np
 import pytest
 from matplotlib.patches import Arc
 
-from backhoe.lessons.path_tracking import figures
+from backhoe.lessons.path_tracking.figures import blocks, comparing
+from backhoe.lessons.path_tracking.figures import errors as figures
 from backhoe.vehicle import tracking
 from backhoe.view import plots
 
 POSE = np.array([0.3, 0.2, 0.2])
 WAYPOINT, NEXT = np.array([2.4, 1.5]), np.array([3.3, 2.9])
+
+
+def compared(*names):
+    path = {"line": tracking.from_points([(0, 0), (1, 0)])}
+    return [
+        tracking.compare({name: tracking.TRACKERS[name]()}, path, tracking.IdealPlant)
+        for name in names
+    ]
 
 
 def lines_of(ax):
@@ -83,29 +92,6 @@ def test_a_straight_pursuit_is_a_straight_line():
     np.testing.assert_allclose(lines_of(ax)["arc"], [(0, 0), (1, 0)])
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 4])
-def test_a_radar_has_one_panel_a_path_and_one_legend(count):
-    chart = tracking.Radar(("x", "y", "z"), ("P", "PI"), [[1, 0.5, 0], [0.2, 1, 1]], (1, 2, 3))
-    fig = figures.radar({str(number): chart for number in range(count)})
-    assert sum(ax.axison for ax in fig.axes) == count
-    legends = [*fig.legends, *(ax.get_legend() for ax in fig.axes if ax.get_legend())]
-    assert [[text.get_text() for text in legend.texts] for legend in legends] == [["P", "PI"]]
-
-
-def test_the_radar_shows_every_value_and_writes_the_worst_beside_its_axis():
-    trackers = {"P": tracking.TRACKERS["P"](), "pure pursuit": tracking.PurePursuit()}
-    paths = {"square": tracking.square(2.0), "eight": tracking.figure_eight(1.0)}
-    comparison = tracking.compare(trackers, paths, lambda: tracking.IdealPlant(0.1))
-    charts = {name: comparison.radar(name) for name in paths}
-    fig = figures.radar(charts, {"d_mean": "mean"})
-    for ax, chart in zip(fig.axes, charts.values(), strict=False):
-        drawn = lines_of(ax)
-        for name, values in zip(chart.trackers, chart.values, strict=True):
-            np.testing.assert_allclose(drawn[name][:, 1], [*values, values[0]])
-        labels = [label.get_text() for label in ax.get_xticklabels()]
-        assert labels[0] == f"mean\n{chart.scales[0]:.2g}"
-
-
 @pytest.mark.parametrize(
     "call, message",
     [
@@ -121,11 +107,10 @@ def test_the_radar_shows_every_value_and_writes_the_worst_beside_its_axis():
             lambda: figures.pursuit(POSE, [[0, 0], [1, 0]], (0, 0), (1,), 0.0),
             r"target must have shape \(2,\)",
         ),
-        (lambda: figures.radar({}), "nothing to draw"),
-        (
-            lambda: figures.radar({"a": tracking.Radar(("x", "y"), ("P",), [[1.0]], (1.0, 1.0))}),
-            "1 trackers and 2 fields",
-        ),
+        (lambda: blocks.controllers([]), "name a controller"),
+        (lambda: blocks.controllers(["PD"]), "controller must be one of P, PI"),
+        (lambda: comparing.measures(*compared("P", "PI"), {}), "the same trackers"),
+        (lambda: comparing.measures(*compared("P", "P"), {"area": ("a", 1.0)}), "no field called"),
     ],
 )
 def test_bad_input_is_refused(call, message):

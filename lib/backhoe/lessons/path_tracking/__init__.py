@@ -1,1 +1,1 @@
-"""Lesson 05, `05_path_tracking`: its exercises, figures and printed formulas."""
+"""What serves lessons 05a, 05b and 05c, path and trajectory tracking."""

@@ -1,6 +1,6 @@
 """D'Angelo's tracking equations exactly as printed in chapters 5 to 7 and 9.
 
-Not for use: lesson 05 tests them, `backhoe.vehicle.tracking` has the right ones. What the print
+Not for use: the appendix of lesson 05 tests them, `backhoe.vehicle.tracking` has the right ones. What the print
 leaves open is read so:
 
 - (6.8b) writes the inner rate h(y_n, t_n) without its input u_n; it is taken with the input 0;

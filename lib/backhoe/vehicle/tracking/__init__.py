@@ -8,7 +8,7 @@
 """
 
 from backhoe.vehicle.tracking.assessment import Assessment, assess, time_lag
-from backhoe.vehicle.tracking.compare import Comparison, Radar, compare
+from backhoe.vehicle.tracking.compare import Comparison, compare
 from backhoe.vehicle.tracking.follow import ARRIVAL, Follow, follow
 from backhoe.vehicle.tracking.geometries import circle, figure_eight, from_points, square
 from backhoe.vehicle.tracking.ideal_plant import IdealPlant, arc
@@ -41,7 +41,6 @@ __all__ = [
     "Plant",
     "PoseErrors",
     "PurePursuit",
-    "Radar",
     "ScagliaLinear",
     "ScagliaRungeKutta",
     "ScagliaTaylor",

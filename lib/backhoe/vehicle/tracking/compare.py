@@ -1,15 +1,13 @@
-"""Trackers side by side on the same paths, as in Tables 5.1, 5.2 and Figs. 5.5, 6.3.
+"""Trackers side by side on the same paths, as in D'Angelo's Tables 5.1, 5.2 and Fig. 6.3.
 
 Each tracker drives each path from the same start on a fresh plant. What comes out is a table whose
-best values are marked, as the source marks them in bold, and the numbers of its radar charts, in
-which every metric is divided by the worst value of it.
+best values are marked, as the source marks them in bold.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,22 +18,6 @@ from backhoe.vehicle.tracking.follow import Follow, follow
 from backhoe.vehicle.tracking.metrics import Metrics
 from backhoe.vehicle.tracking.path import Path
 from backhoe.vehicle.tracking.protocol import Plant, Tracker
-
-
-class Radar(NamedTuple):
-    """One radar chart: an axis a metric, a line a tracker.
-
-    Attributes:
-        fields: the axes, m names.
-        trackers: the lines, n names.
-        values: shape (n, m), each in 0..1: the value divided by the worst of its axis.
-        scales: the worst value of each axis, shape (m,), in the metric's unit.
-    """
-
-    fields: tuple[str, ...]
-    trackers: tuple[str, ...]
-    values: NDArray
-    scales: NDArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,22 +68,6 @@ class Comparison:
                 ]
                 lines.append("  ".join((f"{path:<{width}}", f"{tracker:<{wide}}", *cells)).rstrip())
         return "\n".join(lines)
-
-    def radar(self, path: str, fields: Sequence[str] = Metrics._fields) -> Radar:
-        """The radar chart of one path, with |d_ratio - 1| for d_ratio and |lag| for lag.
-
-        Args:
-            path: name of the path.
-            fields: names of Assessment's fields, the axes.
-
-        Raises:
-            ValueError: an unknown path or field; the message lists those that there are.
-        """
-        row = self.paths.index(choice(path, "path", self.paths))
-        bad = np.column_stack([_badness(field, self._field(field)[row]) for field in fields])
-        scales = bad.max(axis=0)
-        values = np.divide(bad, scales, out=np.zeros_like(bad), where=scales > 0)
-        return Radar(tuple(fields), self.trackers, values, scales)
 
     def _field(self, field: str) -> NDArray:
         return self.values[choice(field, "field", self.values)]

@@ -1,4 +1,4 @@
-"""Exercise 5.6: Scaglia's controller repaired, so that it is the least of its cost."""
+"""Exercise 5.6: Scaglia's first controller, the least of its cost."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from backhoe.lessons.path_tracking.printed import taylor_613
 
 
 def scaglia(pose: ArrayLike, goal: ArrayLike, dt: float, kv2: float, kw2: float) -> NDArray:
-    """V [m/s] and W [rad/s] at the least cost J_n (6.12), k_v^2 and k_w^2 of (6.14)."""
+    """V [m/s] and W [rad/s] at the least cost J; kv2 and kw2 are its gains k_v and k_w."""
     x, y, theta = pose
     dx, dy = goal[0] - x, goal[1] - y
     theta_d = np.arctan2(dy, dx)
@@ -25,6 +25,7 @@ def scaglia(pose: ArrayLike, goal: ArrayLike, dt: float, kv2: float, kw2: float)
 def _cases(rng: np.random.Generator) -> list[tuple]:
     low, high = (-3, -3, -7, -0.5, -0.5, 0.02, 0.2, 0.2), (3, 3, 7, 0.5, 0.5, 0.2, 0.95, 0.95)
     rows = rng.uniform(low, high, (60, 8))
+    rows[0, 2], rows[1, 2] = 0.0, np.arctan2(*rows[1, 4:2:-1]) + np.pi / 2
     return [(row[:3], row[:2] + row[3:5], *row[5:].tolist()) for row in rows]
 
 
@@ -48,22 +49,25 @@ def _one_argument(pose: NDArray, goal: NDArray, dt: float, kv2: float, kw2: floa
 
 SCAGLIA = Exercise(
     number="5.6",
-    title="Repair (6.13)",
+    title="The least of the cost",
     reference=scaglia,
     oracle="the_least_of_the_cost",
     cases=_cases,
     mistakes={
+        "V is a speed with a sign: for a goal behind the vehicle backs up": (
+            lambda *given: scaglia(*given) * 0 + (abs(scaglia(*given)[0]), scaglia(*given)[1])
+        ),
         (
-            "V is (6.13a) as printed, k_v^2 times the whole distance over dt: the least of J has "
-            "theta_n, not theta_d"
+            "V is k_v times the whole distance over dt: at the least of J it is the way along the "
+            "vehicle's own axis"
         ): _printed(0),
-        "that solves (9.13) as printed: the derivative of the square has lost its minus": (
+        "the derivative of the square has lost its minus: the chain rule brings one": (
             lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2 / (2 * kv2 - 1), kw2)
         ),
         "theta_d - theta is not wrapped: after a full turn the vehicle unwinds it again": (
             _printed(1)
         ),
-        "V is (6.13a) as printed, and theta_d - theta is not wrapped": _printed(0, 1),
+        "V is k_v times the whole distance, and theta_d - theta is not wrapped": _printed(0, 1),
         "np.arctan cannot tell ahead from behind: use np.arctan2 for theta_d": _one_argument,
         "T_0 is missing: these are a distance and an angle, divide both by dt": (
             lambda pose, goal, dt, *gains: scaglia(pose, goal, 1.0, *gains)
@@ -74,13 +78,13 @@ SCAGLIA = Exercise(
         "W turns away from the goal: theta_d - theta, not the other way round": (
             lambda *given: scaglia(*given) * (1, -1)
         ),
-        "kv2 and kw2 are k_v^2 and k_w^2 already: do not square them again": (
+        "kv2 and kw2 are the gains of J as they are: do not square them": (
             lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kv2**2, kw2**2)
         ),
         "the weights are swapped: kv2 belongs to V, kw2 to W": (
             lambda pose, goal, dt, kv2, kw2: scaglia(pose, goal, dt, kw2, kv2)
         ),
-        "that is (9.11) with theta, the dead beat: the weights kv2 and kw2 are left out": (
+        "all of the error in one sample: the gains kv2 and kw2 are left out": (
             lambda pose, goal, dt, *gains: scaglia(pose, goal, dt, 1.0, 1.0)
         ),
         "W is in degrees per second: everything inside the course is in radians": (
@@ -88,7 +92,7 @@ SCAGLIA = Exercise(
         ),
     },
     hints=(
-        "J has V only in x_{n+1} = x_n + V cos(theta_n) T_0 and its fellows: set dJ/dV to zero.",
+        "J has V in the two misses and in its effort: set dJ/dV to zero, then dJ/dW.",
         "V = kv2 (dx cos(theta) + dy sin(theta))/dt; W = kw2 times the wrapped theta_d - theta, "
         "over dt.",
     ),

@@ -1,4 +1,4 @@
-"""Exercises 5.3 and 5.4: the errors of a pose, repaired; limits that let the turn go first."""
+"""Exercises 5.3 and 5.4: the errors of a pose; limits that let the turn go first."""
 
 from __future__ import annotations
 
@@ -41,18 +41,18 @@ def _slope(way: NDArray) -> float:
 
 POSE_ERRORS = Exercise(
     number="5.3",
-    title="Repair (5.1)",
+    title="The errors of a pose",
     reference=pose_errors,
     oracle="seen_from_the_vehicle",
     cases=_pose_cases,
     mistakes={
-        "alpha is as printed, theta - phi: it must turn the vehicle the way Delta y does": (
+        "alpha is theta - phi: it must turn the vehicle the way Delta y does": (
             _with(alpha=lambda theta, to, on, e: -e.alpha)
         ),
         "alpha is not wrapped: 350 degrees to the left are 10 to the right": (
             _with(alpha=lambda theta, to, on, e: _bearing(on) - theta)
         ),
-        "alpha is as printed: its sign is against Delta y's, and it is not wrapped": (
+        "alpha is theta - phi, and not wrapped: its sign is against Delta y's": (
             _with(alpha=lambda theta, to, on, e: theta - _bearing(on))
         ),
         "alpha is wrapped into 0..2 pi: a small turn to the right becomes nearly a full one": (
@@ -86,13 +86,29 @@ POSE_ERRORS = Exercise(
         "alpha is in degrees: everything inside the course is in radians": (
             _with(alpha=lambda theta, to, on, e: np.degrees(e.alpha))
         ),
+        "alpha has a sign: a bend to the right is negative": (
+            _with(alpha=lambda theta, to, on, e: abs(e.alpha))
+        ),
+        "Delta y has a sign: a way-point to the right lies at a negative one": (
+            _with(dy=lambda theta, to, on, e: abs(e.dy))
+        ),
+        "that is beta in the place of Delta y: rho times the sine of it is a distance": (
+            _with(dy=lambda theta, to, on, e: wrap(_bearing(to) - theta))
+        ),
+        "the arguments of arctan2 are the wrong way round in phi: first Y, then X": (
+            _with(alpha=lambda theta, to, on, e: wrap(_bearing(on[::-1]) - theta))
+        ),
+        "the arguments of arctan2 are the wrong way round in beta: first Y, then X": (
+            _with(dy=lambda theta, to, on, e: e.rho * sin(_bearing(to[::-1]) - theta))
+        ),
         "rho is the root of that: a distance, not its square": (
             _with(rho=lambda theta, to, on, e: e.rho**2)
         ),
     },
     hints=(
         "beta = atan2(Delta Y, Delta X) - theta; Delta y = rho sin(beta) needs no wrapping. Why?",
-        "alpha = phi - theta, then (alpha + pi) % (2 pi) - pi.",
+        "In Figure 3 the course bends to the left of the vehicle's axis: phi > theta, alpha > 0. "
+        "Then wrap it.",
     ),
     tested_on="60 random poses and way-points, headings over several turns",
 )
@@ -104,7 +120,9 @@ def _limit_cases(rng: np.random.Generator) -> list[tuple]:
         limits = Limits(*numbers)
         asked = rng.uniform(-1.8, 1.8, 2) * (limits.max_speed, limits.max_turn_rate)
         cases.append((limits, *asked.tolist()))
-    return cases
+    limits = Limits(6.0, 0.2, 0.5)
+    still = [(0.0, 0.0), (0.0, -1.0), (-0.5, 0.0), (0.0, 9.0), (-3.0, 0.0), (3.0, -9.0)]
+    return cases + [(limits, *asked) for asked in still]
 
 
 def _speed_left(limits: Limits, v: float, omega: float, turn: float) -> NDArray:
@@ -171,5 +189,5 @@ LIMITS = Exercise(
         "First omega between -r/c wheel_speed and +r/c wheel_speed; only then v.",
         "What is left for v: r wheel_speed - c |omega|, with the omega just limited.",
     ),
-    tested_on="60 random wishes, most of them too fast",
+    tested_on="66 wishes, most of them too fast, some with no speed or no turn",
 )

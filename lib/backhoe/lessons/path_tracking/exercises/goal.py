@@ -19,8 +19,9 @@ def goal(time: float, dt: float, points: ArrayLike, times: ArrayLike) -> NDArray
 def _cases(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for _ in range(50):
-        points = rng.uniform(-3, 3, (6, 2))
-        times = np.cumsum(rng.uniform(0.5, 3.0, 6))
+        count = rng.integers(2, 9)
+        points = rng.uniform(-3, 3, (count, 2))
+        times = np.cumsum(rng.uniform(0.5, 3.0, count)) - 1.0
         time = rng.uniform(times[0] - 1.0, times[-1] + 1.0)
         cases.append((time, rng.uniform(0.05, 0.3), points, times))
     return cases
@@ -65,6 +66,12 @@ GOAL = Exercise(
             lambda time, dt, points, times: goal(
                 time, dt, points, np.linspace(times[0], times[-1], len(times))
             )
+        ),
+        "the trajectory begins at its first time, not at zero: take that off nowhere else": (
+            lambda time, dt, points, times: goal(time, dt, points, times - times[0])
+        ),
+        "x and y are swapped: the place is x, y": (
+            lambda time, dt, points, times: goal(time, dt, points[:, ::-1], times)
         ),
         "right within the trajectory, but it runs on beyond its ends: wait at the ends instead": (
             _beyond

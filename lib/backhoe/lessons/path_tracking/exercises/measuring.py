@@ -1,4 +1,4 @@
-"""Exercises 5.1 and 5.2: what a printed ratio of lengths says; the four measures of a run."""
+"""Exercises 5.1 and 5.2: what a ratio of lengths says; the four measures of a run."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from backhoe.lessons import published
 from backhoe.lessons.exercise import Exercise
 from backhoe.vehicle.tracking import Metrics, distances, distances_to_samples, length, metrics
 
-RADIUS = 1.5  # m, section 5.3.1 of the source
+RADIUS = 1.5  # m, section 5.3.1 of D'Angelo 2022
 
 
 def missing_length() -> float:
-    """How much shorter the printed run is than the shortest one that covers the circle [m]."""
+    """How much shorter a run of 1.084 circles is than the shortest that covers the circle [m]."""
     table = published.load("dangelo_2022_table_51")
     radius, ratio = table["circle_radius"], table["P"]["circle"]["d_ratio"]
     circle = 2 * pi * radius
@@ -31,7 +31,7 @@ MISSING = Exercise(
     reference=missing_length,
     oracle="a_run_out_and_once_round",
     mistakes={
-        "that is the length of the printed run: how much is missing from the shortest one?": (
+        "that is the length of that drive: how much is missing from the shortest one?": (
             lambda: RADIUS + 2 * pi * RADIUS - missing_length()
         ),
         "that is a difference of ratios: times the length of the circle it is metres": (
@@ -41,13 +41,13 @@ MISSING = Exercise(
             lambda: RADIUS - missing_length()
         ),
         "a circle is 2 pi r long, with r = 1.5 m": lambda: (RADIUS + missing_length()) / 2,
-        "the sign: the printed run is shorter than the shortest one that covers the circle": (
+        "the sign: that drive is shorter than the shortest one that covers the circle": (
             lambda: -missing_length()
         ),
     },
     hints=(
-        "Three lengths: the circle, the straight way from its centre to it, and the printed run.",
-        "The printed run is 1.084 times the circle; the shortest covering one is 1.5 m + circle.",
+        "Three lengths: the circle, the straight way from its centre to it, and that drive.",
+        "That drive is 1.084 times the circle; the shortest covering one is 1.5 m + circle.",
     ),
     rtol=0.0,
     atol=0.01,

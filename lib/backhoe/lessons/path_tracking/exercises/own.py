@@ -35,6 +35,9 @@ _PATHS = {
     "bends": tracking.from_points(np.column_stack((_X, np.sin(_X)))).with_times(0.4),
     "circle": tracking.circle(1.0, centre=(0.0, 1.0), start_angle=-np.pi / 2).with_times(0.4),
 }
+_PATHS["circle to the right"] = tracking.Path(
+    _PATHS["circle"].points * (1, -1), _PATHS["circle"].times
+)
 
 
 def _drive(tracker: Tracker, name: str) -> tracking.Follow:
@@ -64,9 +67,12 @@ _MENDS = {
 }
 """What a command is to be multiplied by so that the tracker follows."""
 
-_UNWRAPPED, _STILL = (
-    "it follows bends but not a circle, where the heading passes pi: wrap the angle to the goal",
+_UNWRAPPED, _STILL, _ONE_WAY, _LATE = (
+    "it follows bends but not a circle, where the heading passes pi: take np.arctan2, and wrap the "
+    "angle to the goal",
     "it does not drive at all: v stays at zero",
+    "it turns to one side only: omega has the sign of the angle to the goal",
+    "it keeps to the line but not to the time: let v grow with the distance to the goal",
 )
 
 
@@ -80,13 +86,16 @@ def judged(answer: Tracker, reference: Tracker) -> bool | str:
     for diagnosis, mend in _MENDS.items():
         if _worst(_altered(answer, mend)) <= NEAR_ENOUGH:
             return diagnosis
-    if far["bends"] <= NEAR_ENOUGH < far["circle"]:
+    if far["bends"] <= NEAR_ENOUGH:
         return _UNWRAPPED
     run = _drive(answer, "bends")
     if np.ptp(run.pose[:, :2], axis=0).max() < 0.05:
         return _STILL
+    turns = run.command[:-1, 1]
+    if min(turns) >= 0 or max(turns) <= 0:
+        return _ONE_WAY
     if run.metrics.d_mean <= 0.1:
-        return "it keeps to the line but not to the time: let v grow with the distance to the goal"
+        return _LATE
     worst = max(far.values())
     return f"it is {worst:.2g} m from its goal on average: {NEAR_ENOUGH} m or less is asked"
 
@@ -105,6 +114,8 @@ OWN = Exercise(
         },
         _UNWRAPPED: lambda: own_tracker(wrap=float),
         _STILL: lambda: lambda pose, twist, goal, dt: (0.0, 0.0),
+        _ONE_WAY: lambda: lambda *now: np.abs(own_tracker()(*now)),
+        _LATE: lambda: lambda *now: np.array(own_tracker()(*now)) * (0.4, 1.0),
     },
     hints=(
         "The bearing of the goal from the vehicle is atan2(dy, dx) - theta, wrapped; the distance "
@@ -112,6 +123,6 @@ OWN = Exercise(
         "Four lines do: v grows with the distance and with the cosine of the bearing, omega with "
         "the bearing.",
     ),
-    tested_on="bends and a circle, as trajectories on the ideal plant",
+    tested_on="bends, a circle and one the other way round, as trajectories on the ideal plant",
     timeout=20.0,
 )

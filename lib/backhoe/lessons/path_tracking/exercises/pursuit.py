@@ -38,6 +38,9 @@ def _cases(rng: np.random.Generator) -> list[tuple]:
         pose = np.append(place + rng.uniform(-0.3, 0.3, 2), turns[at] + rng.uniform(-0.8, 0.8))
         pose[2] += 2 * np.pi * rng.integers(-1, 2)
         cases.append((pose, path, rng.uniform(0.5, 1.0), rng.uniform(0.2, 0.8)))
+    straight = np.array([[-1.0, 2.0], [0.5, 2.0], [1.5, 2.0]])
+    for pose in ([0.0, 2.0, 0.0], [0.0, 2.2, 0.0], [0.0, 1.8, 2 * np.pi], [1.2, 2.1, -0.1]):
+        cases.append((np.array(pose), straight, 0.7, 0.5))
     return cases
 
 
@@ -87,9 +90,28 @@ def _leaves_the_circle(pose: NDArray, path: NDArray, lookahead: float, speed: fl
     return np.array(PurePursuit(lookahead, window=1e9)(pose, np.zeros(2), goal, 0.1))
 
 
-def _by_angle(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
-    dx, dy = _ahead(path, pose[:2], lookahead) - pose[:2]
-    return np.array([speed, speed * wrap(np.arctan2(dy, dx) - pose[2])])
+def _by_angle(
+    gain: Callable[[float, float], float], turn: Callable[[float], float] = wrap
+) -> Callable[..., NDArray]:
+    """Turning in proportion to the angle to the point ahead, by a gain of look-ahead and speed."""
+
+    def wrong(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
+        dx, dy = _ahead(path, pose[:2], lookahead) - pose[:2]
+        angle = turn(np.arctan2(dy, dx) - pose[2])
+        return np.array([speed, gain(lookahead, speed) * angle])
+
+    return wrong
+
+
+def _own_nearest(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
+    return _steer(pose, path[np.linalg.norm(path - pose[:2], axis=1).argmin()], speed)
+
+
+def _beyond_the_end(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
+    last = path[-1] - path[-2]
+    longer = np.vstack((path, path[-1] + 2 * last / np.linalg.norm(last)))
+    near = _foot(path, pose[:2]).place
+    return _steer(pose, _ahead(longer, np.array(near), lookahead), speed)
 
 
 PURSUIT = Exercise(
@@ -128,9 +150,40 @@ PURSUIT = Exercise(
         "the curvature is 2 y_L over d squared: you divide by d once": (
             _turning(lambda d, ahead, v: d)
         ),
-        "you turn in proportion to the angle: the arc to the point has curvature 2 y_L / d^2": (
-            _by_angle
+        "you steer to the nearest way-point itself: look ahead along the path from there on": (
+            _own_nearest
         ),
+        "you turn in proportion to the angle: the arc to the point has curvature 2 y_L / d^2": (
+            _by_angle(lambda ahead, v: v)
+        ),
+        "you turn by the angle as it is, without the speed: the arc has curvature 2 y_L / d^2": (
+            _by_angle(lambda ahead, v: 1.0)
+        ),
+        "you use the look-ahead as a gain: it says which point of the path to take, no more": (
+            _by_angle(lambda ahead, v: ahead)
+        ),
+        "you use the look-ahead as a gain, times v: it says which point to take, no more": (
+            _by_angle(lambda ahead, v: ahead * v)
+        ),
+        "you divide the angle by the look-ahead: the arc to the point has curvature 2 y_L / d^2": (
+            _by_angle(lambda ahead, v: v / ahead)
+        ),
+        "twice the angle over the look-ahead is nearly right: the sine of it, and d for both": (
+            _by_angle(lambda ahead, v: 2 * v / ahead)
+        ),
+        "the angle to the point is not wrapped: after a full turn the vehicle unwinds it again": (
+            _by_angle(lambda ahead, v: v, turn=float)
+        ),
+        "that is 2 sin(angle) over the look-ahead: over d, the straight way to the point": (
+            _turning(lambda d, ahead, v: d / ahead)
+        ),
+        "omega has a sign: for a point on the right it is negative": (
+            lambda *given: np.abs(pure_pursuit(*given))
+        ),
+        "you look back along the path: the point ahead lies further on": (
+            lambda pose, path, ahead, v: pure_pursuit(pose, path, -ahead, v)
+        ),
+        "the path ends at its last point: the point ahead is at most that": _beyond_the_end,
         "that is the curvature: omega is v times as much": _turning(lambda d, ahead, v: 1 / v),
     },
     hints=(
@@ -139,5 +192,5 @@ PURSUIT = Exercise(
         "y_L = -sin(theta) dx + cos(theta) dy; omega = v 2 y_L / d^2; np.interp over arc lengths "
         "finds the point ahead.",
     ),
-    tested_on="40 random paths and poses beside them",
+    tested_on="40 random paths and poses beside them, and a straight one",
 )

@@ -1,7 +1,4 @@
-"""Figures of lesson 05: a vehicle, its way-points and its goal from above; runs; radar charts."""
-
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+"""A vehicle, its way-points and the point that it aims at, from above."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,30 +12,21 @@ from backhoe.basics.inputs import numbers
 from backhoe.view.plots.paths import places
 from backhoe.view.plots.style import (
     BLUE,
-    COLOURS,
     DARK,
     GREEN,
     GREY,
     KINDS,
     ORANGE,
+    PURPLE,
     RED,
     figure,
     styled,
 )
 
 
-class Chart(Protocol):
-    """What `radar` draws: values of each tracker in each field, 0 to 1, and what 1 stands for."""
-
-    fields: Sequence[str]
-    trackers: Sequence[str]
-    values: ArrayLike
-    scales: ArrayLike
-
-
 @styled
 def pose_errors(pose: ArrayLike, waypoint: ArrayLike, next_waypoint: ArrayLike) -> Figure:
-    """The three errors of eq. (5.1): rho, Delta y and alpha, with the angle beta.
+    """The three errors of a pose: rho, Delta y and alpha, with the angle beta.
 
     Args:
         pose: x, y [m] and heading [rad] of the vehicle, shape (3,).
@@ -55,7 +43,7 @@ def pose_errors(pose: ArrayLike, waypoint: ArrayLike, next_waypoint: ArrayLike) 
     ahead = _axes_of(theta)[0]
     foot = place + (waypoint - place) @ ahead * ahead
     ax.plot(*np.array([waypoint, following]).T, **KINDS["reference"])
-    ax.plot(*np.array([waypoint, following]).T, "o", color=DARK, ms=7, zorder=5)
+    ax.plot(*np.array([waypoint, following]).T, "o", color=PURPLE, ms=7, zorder=5)
     for point, name in ((waypoint, "$WP_n$"), (following, "$WP_{n+1}$")):
         ax.annotate(name, point, (-8, 6), textcoords="offset points", va="bottom", ha="right")
     _dimension(ax, place, waypoint, r"$\rho$", BLUE)
@@ -75,7 +63,7 @@ def pose_errors(pose: ArrayLike, waypoint: ArrayLike, next_waypoint: ArrayLike) 
 
 @styled
 def nearest(actual: ArrayLike, path: ArrayLike, distances: ArrayLike) -> Figure:
-    """A run with a circle about each point that just touches the path, as the source's Fig. 5.2.
+    """A run with a circle about each point that just touches the path.
 
     Args:
         actual: points of the run, shape (n, 2) [m].
@@ -125,71 +113,13 @@ def pursuit(
     ax.plot(*np.array([pose[:2], beside]).T, color=GREY, lw=1.0)
     _dimension(ax, target, beside, "$y_L$", RED)
     _dimension(ax, pose[:2], target, "$d$", GREEN)
-    ax.plot(*foot, "s", color=DARK, ms=6, label="nearest point")
-    ax.plot(*target, "o", color=ORANGE, mec=DARK, ms=9, label="point ahead", zorder=6)
+    ax.plot(*foot, "s", color=PURPLE, ms=6, label="nearest point")
+    ax.plot(*target, "o", color=ORANGE, ms=9, label="point ahead", zorder=6)
     _vehicle(ax, pose, 0.35)
     ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
     ax.margins(0.1)
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return fig
-
-
-@styled
-def radar(charts: Mapping[str, Chart], labels: Mapping[str, str] | None = None) -> Figure:
-    """Radar charts, one panel a path: every measure over its worst value, smaller is better.
-
-    Args:
-        charts: title -> what `tracking.compare(...).radar(path)` gives.
-        labels: field -> how an axis is written; others are written as they are.
-
-    Raises:
-        ValueError: no chart, or its values are not one for each tracker and field.
-    """
-    if not charts:
-        raise ValueError("nothing to draw: give a title and a chart for each panel")
-    columns = min(len(charts), 2)
-    rows = -(-len(charts) // columns)
-    spare = rows * columns - len(charts)
-    fig, axes = figure(
-        6.8,
-        2.75 * rows + (0.0 if spare else 0.6),
-        rows,
-        columns,
-        squeeze=False,
-        subplot_kw={"projection": "polar"},
-    )
-    for ax, (title, chart) in zip(axes.flat, charts.items(), strict=False):
-        _spokes(ax, title, chart, labels or {})
-    handles = axes.flat[0].get_legend_handles_labels()
-    if spare:
-        axes.flat[-1].axis("off")
-        axes.flat[-1].legend(*handles, loc="center", fontsize=11)
-    else:
-        fig.legend(*handles, loc="outside lower center", ncols=3)
-    return fig
-
-
-def _spokes(ax: Axes, title: str, chart: Chart, labels: Mapping[str, str]) -> None:
-    values = np.asarray(chart.values, dtype=float)
-    if values.shape != (len(chart.trackers), len(chart.fields)):
-        raise ValueError(
-            f"{title}: {len(chart.trackers)} trackers and {len(chart.fields)} fields need values "
-            f"of that shape, got {values.shape}"
-        )
-    angles = np.linspace(0.0, 2 * np.pi, len(chart.fields), endpoint=False)
-    for tracker, row, colour in zip(chart.trackers, values, COLOURS * 3, strict=False):
-        ax.plot([*angles, angles[0]], [*row, row[0]], "-o", color=colour, ms=3, label=tracker)
-    names = [
-        f"{labels.get(field, field)}\n{scale:.2g}"
-        for field, scale in zip(chart.fields, chart.scales, strict=True)
-    ]
-    ax.set_xticks(angles, names, size=9)
-    for angle, name in zip(angles, ax.get_xticklabels(), strict=True):
-        name.set_ha("center" if abs(np.sin(angle)) < 0.1 else "right" if angle < np.pi else "left")
-    ax.tick_params(axis="x", pad=1)
-    ax.set_yticks([0.5, 1.0], ["", ""])
-    ax.set(ylim=(0.0, 1.05), theta_offset=np.pi / 2)
-    ax.set_title(title, weight="bold")
 
 
 def _bearing(way: NDArray) -> float:

@@ -1,7 +1,7 @@
 """D'Angelo's tracking equations exactly as printed in chapters 5 to 7 and 9.
 
-Not for use: the appendix of lesson 05 tests them, `backhoe.vehicle.tracking` has the right ones. What the print
-leaves open is read so:
+Not for use: the appendix of lesson 05 tests them, `backhoe.vehicle.tracking` has the right ones.
+What the print leaves open is read so:
 
 - (6.8b) writes the inner rate h(y_n, t_n) without its input u_n; it is taken with the input 0;
 - (6.11), (7.1c) and (9.10) write arctan of a fraction; `two_arguments=True` reads atan2, as the

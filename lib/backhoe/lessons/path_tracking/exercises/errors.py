@@ -101,6 +101,24 @@ POSE_ERRORS = Exercise(
         "the arguments of arctan2 are the wrong way round in beta: first Y, then X": (
             _with(dy=lambda theta, to, on, e: e.rho * sin(_bearing(to[::-1]) - theta))
         ),
+        "that is phi, a direction on the map: take theta off it": (
+            _with(alpha=lambda theta, to, on, e: _bearing(on))
+        ),
+        "theta is taken off phi, not added to it": (
+            _with(alpha=lambda theta, to, on, e: wrap(_bearing(on) + theta))
+        ),
+        "that is phi less beta: take off theta, the heading, and not the bearing": (
+            _with(alpha=lambda theta, to, on, e: wrap(_bearing(on) - _bearing(to) + theta))
+        ),
+        "that is beta in the place of Delta y, and not wrapped: a distance is rho times its sine": (
+            _with(dy=lambda theta, to, on, e: _bearing(to) - theta)
+        ),
+        "the order is rho, Delta y, alpha": (
+            _with(dy=lambda theta, to, on, e: e.alpha, alpha=lambda theta, to, on, e: e.dy)
+        ),
+        "rho is the straight distance, not the sum of the two ways along the axes": (
+            _with(rho=lambda theta, to, on, e: float(np.abs(to).sum()))
+        ),
         "rho is the root of that: a distance, not its square": (
             _with(rho=lambda theta, to, on, e: e.rho**2)
         ),

@@ -55,6 +55,15 @@ GAIN = Exercise(
         "that is how much has gone after a second: which gain does as much with new_T0?": (
             lambda k, T0, new_T0: 1 - (1 - k) ** (1 / T0)
         ),
+        "1 minus a power of k: take the power of what is left, 1 - k": (
+            lambda k, T0, new_T0: 1 - k ** (new_T0 / T0)
+        ),
+        "that is the gain for each second: of a gain at new_T0 is asked": (
+            lambda k, T0, new_T0: k / T0
+        ),
+        "the exponent is a ratio of the sample times, not their difference": (
+            lambda k, T0, new_T0: 1 - (1 - k) ** (new_T0 - T0)
+        ),
         "exp(-k) is near to 1 - k for small gains only: take 1 - k itself": (
             lambda k, T0, new_T0: 1 - exp(-k * new_T0 / T0)
         ),

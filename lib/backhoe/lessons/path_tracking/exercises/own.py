@@ -67,10 +67,11 @@ _MENDS = {
 }
 """What a command is to be multiplied by so that the tracker follows."""
 
-_UNWRAPPED, _STILL, _ONE_WAY, _LATE = (
+_UNWRAPPED, _STILL, _STRAIGHT, _ONE_WAY, _LATE = (
     "it follows bends but not a circle, where the heading passes pi: take np.arctan2, and wrap the "
     "angle to the goal",
     "it does not drive at all: v stays at zero",
+    "it never turns: omega grows with the angle to the goal",
     "it turns to one side only: omega has the sign of the angle to the goal",
     "it keeps to the line but not to the time: let v grow with the distance to the goal",
 )
@@ -92,6 +93,8 @@ def judged(answer: Tracker, reference: Tracker) -> bool | str:
     if np.ptp(run.pose[:, :2], axis=0).max() < 0.05:
         return _STILL
     turns = run.command[:-1, 1]
+    if not turns.any():
+        return _STRAIGHT
     if min(turns) >= 0 or max(turns) <= 0:
         return _ONE_WAY
     if run.metrics.d_mean <= 0.1:
@@ -114,6 +117,7 @@ OWN = Exercise(
         },
         _UNWRAPPED: lambda: own_tracker(wrap=float),
         _STILL: lambda: lambda pose, twist, goal, dt: (0.0, 0.0),
+        _STRAIGHT: lambda: lambda pose, twist, goal, dt: (goal.speed, 0.0),
         _ONE_WAY: lambda: lambda *now: np.abs(own_tracker()(*now)),
         _LATE: lambda: lambda *now: np.array(own_tracker()(*now)) * (0.4, 1.0),
     },

@@ -107,6 +107,24 @@ def _own_nearest(pose: NDArray, path: NDArray, lookahead: float, speed: float) -
     return _steer(pose, path[np.linalg.norm(path - pose[:2], axis=1).argmin()], speed)
 
 
+def _vertex_away(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
+    """The arc to the first way-point from the nearest on that is a look-ahead away, or the last."""
+    distance = np.linalg.norm(path - pose[:2], axis=1)
+    far = np.flatnonzero(distance[distance.argmin() :] >= lookahead)
+    return _steer(pose, path[distance.argmin() + far[0] if len(far) else -1], speed)
+
+
+def _next_vertex(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
+    near = np.linalg.norm(path - pose[:2], axis=1).argmin()
+    return _steer(pose, path[min(near + 1, len(path) - 1)], speed)
+
+
+def _how_far_ahead(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
+    dx, dy = _ahead(path, pose[:2], lookahead) - pose[:2]
+    x = np.cos(pose[2]) * dx + np.sin(pose[2]) * dy
+    return np.array([speed, speed * 2 * x / (dx**2 + dy**2)])
+
+
 def _beyond_the_end(pose: NDArray, path: NDArray, lookahead: float, speed: float) -> NDArray:
     last = path[-1] - path[-2]
     longer = np.vstack((path, path[-1] + 2 * last / np.linalg.norm(last)))
@@ -153,6 +171,16 @@ PURSUIT = Exercise(
         "you steer to the nearest way-point itself: look ahead along the path from there on": (
             _own_nearest
         ),
+        "you steer to the way-point after the nearest: the point ahead lies between two of them": (
+            _next_vertex
+        ),
+        "you steer to the first way-point that is far enough: the point ahead lies between two": (
+            _vertex_away
+        ),
+        "that is how far ahead the point lies: y_L is how far to the left": _how_far_ahead,
+        "omega is in degrees per second: everything inside the course is in radians": (
+            _turning(lambda d, ahead, v: 180 / np.pi)
+        ),
         "you turn in proportion to the angle: the arc to the point has curvature 2 y_L / d^2": (
             _by_angle(lambda ahead, v: v)
         ),
@@ -173,6 +201,12 @@ PURSUIT = Exercise(
         ),
         "the angle to the point is not wrapped: after a full turn the vehicle unwinds it again": (
             _by_angle(lambda ahead, v: v, turn=float)
+        ),
+        "the angle is not wrapped, and the look-ahead is no gain: curvature 2 y_L / d^2": (
+            _by_angle(lambda ahead, v: ahead, turn=float)
+        ),
+        "twice the angle over the look-ahead, and not wrapped: curvature 2 y_L / d^2": (
+            _by_angle(lambda ahead, v: 2 * v / ahead, turn=float)
         ),
         "that is 2 sin(angle) over the look-ahead: over d, the straight way to the point": (
             _turning(lambda d, ahead, v: d / ahead)

@@ -54,9 +54,14 @@ def the_joint_normal_conditioned(answer, x, P, z, H, R):
         assert_allclose(found, wanted, rtol=1e-8, atol=1e-10)
 
 
-def the_derivative_of_the_step(answer, psi, v, omega, T_s):
-    """The step itself, differentiated by a complex step."""
-    wanted = slopes(lambda x: rolled(x, v * T_s, omega * T_s), np.array([0.0, 0.0, psi]))
+def the_derivative_of_the_step(answer, psi, b, v, omega, T_s):
+    """The step itself, with its bias in the turn, differentiated by a complex step."""
+
+    def step(state):
+        turn = (omega - state[3]) * T_s
+        return np.append(rolled(state[:3], v * T_s, turn), state[3])
+
+    wanted = slopes(step, np.array([0.0, 0.0, psi, b]))
     assert_allclose(answer, wanted, rtol=1e-12, atol=1e-15)
 
 
@@ -103,3 +108,41 @@ def the_nearest_samples_one_by_one(answer, time, signal, time_e, estimate):
         squares.append([(seen[0] - true[0]) ** 2, (seen[1] - true[1]) ** 2, apart**2])
     assert_allclose(np.square(answer), np.mean(squares, axis=0), rtol=1e-10)
     assert np.min(answer) >= 0
+
+
+def the_joint_determinant_with_the_innovation_in_it(answer, x, P, z, H, R):
+    """det(S + y y^T) = det(S) (1 + y^T S^-1 y); det(S) from the joint covariance of x and noise."""
+    n, y = len(x), np.array([one - sum(row * x) for one, row in zip(z, H, strict=True)])
+    both = np.block([[P, np.zeros((n, len(z)))], [np.zeros((len(z), n)), R]])
+    seen = np.hstack([H, np.eye(len(z))])
+    S = np.einsum("ij,jk,lk->il", seen, both, seen)
+    ratio = np.linalg.det(S + np.outer(y, y)) / np.linalg.det(S) - 1
+    assert_allclose(answer, ratio, rtol=1e-7, atol=1e-12)
+
+
+EQUAL = {
+    "7.1": {
+        name: "probabilities are never negative, and so are their products and sums"
+        for name in (
+            "the result is never negative",
+            "belief is never negative",
+            "transition is never negative",
+            "likelihood is never negative",
+        )
+    },
+    "7.3": {"T_s is never negative": "a step takes time"},
+    "7.6": {"variance is never negative": "a variance is a mean of squares"},
+    "7.7": {
+        "M is never negative": "a variance is a mean of squares",
+        "R is never negative": "a variance is a mean of squares",
+    },
+    "7.8": {
+        f"{name}: counted from its first sample": "both clocks start at 0"
+        for name in ("time", "time_e")
+    }
+    | {
+        f"time[{k}]: that of the first case": "the first two samples are asked for the same instant"
+        for k in (0, 1)
+    },
+}
+"""Mutants of references that are right all the same, and why."""

@@ -23,6 +23,9 @@ def _beliefs(rng: np.random.Generator) -> list[tuple]:
     for n in rng.integers(3, 9, 30):
         belief, transition = rng.uniform(0.05, 1.0, n), rng.uniform(0.05, 1.0, (n, n))
         cases.append((_sum_1(belief), transition / transition.sum(0), rng.uniform(0.05, 1.0, n)))
+    walk = np.array([[0.1, 0, 0], [0.9, 0.2, 0], [0, 0.8, 1]])  # and a place that is sure
+    cases.append((np.array([0.0, 1.0, 0.0]), walk, np.array([0.5, 0.0, 0.7])))
+    cases.append((np.array([0.5, 0.5, 0.0]), np.eye(3), np.array([0.2, 0.2, 0.9])))
     return cases
 
 
@@ -58,6 +61,45 @@ BAYES = Exercise(
         "likelihood and prediction are added: (4.4) multiplies them": (
             lambda belief, T, likely: _sum_1(likely + T @ belief)
         ),
+        "only the likeliest place before the move counts: sum over all of them": (
+            lambda belief, T, likely: _sum_1(likely * T[:, np.argmax(belief)])
+        ),
+        "the likelihood is squared: one measurement counts once": (
+            lambda belief, T, likely: _sum_1(likely**2 * (T @ belief))
+        ),
+        "the machine has moved twice: one step": (
+            lambda belief, T, likely: _sum_1(likely * (T @ T @ belief))
+        ),
+        "of each way only the likeliest counts: add the ways to a place": (
+            lambda belief, T, likely: _sum_1(likely * (T * belief).max(axis=1))
+        ),
+        "the old belief is multiplied in once more: the predicted one holds it already": (
+            lambda belief, T, likely: _sum_1(likely * belief * (T @ belief))
+        ),
+        "the measurement comes before the move, and it does not sum to 1": (
+            lambda belief, T, likely: T @ (likely * belief)
+        ),
+        "the machine has not moved, and it does not sum to 1: predict first, divide at the end": (
+            lambda belief, T, likely: likely * belief
+        ),
+        "it is divided by the sum of the likelihoods: divide by the sum of the products": (
+            lambda belief, T, likely: likely * (T @ belief) / likely.sum()
+        ),
+        "it is divided by the number of places: divide by the sum": (
+            lambda belief, T, likely: likely * (T @ belief) / len(belief)
+        ),
+        "it is divided by the root of the sum of squares: divide by the sum": (
+            lambda belief, T, likely: likely * (T @ belief) / np.linalg.norm(likely * (T @ belief))
+        ),
+        "that is the belief before the move and the measurement": (
+            lambda belief, T, likely: belief
+        ),
+        "that is the likelihood: multiply it by what was predicted": (
+            lambda belief, T, likely: likely
+        ),
+        "1 - likelihood is that of not seeing it: take the likelihood as it comes": (
+            lambda belief, T, likely: _sum_1((1 - likely) * (T @ belief))
+        ),
         "it is divided by the largest value: divide by the sum": (
             lambda belief, T, likely: likely * (T @ belief) / (likely * (T @ belief)).max()
         ),
@@ -66,7 +108,7 @@ BAYES = Exercise(
         "Predict: for each place, the sum over all places that the machine may have come from.",
         "transition @ belief, times likelihood element by element, divided by the sum of that.",
     ),
-    tested_on="30 random beliefs of three to eight places",
+    tested_on="32 beliefs of three to eight places, some of them sure",
 )
 
 
@@ -137,6 +179,49 @@ UPDATE = Exercise(
         ),
         "K R K^T is missing in Joseph's form: the measurement's noise gets into the state": (
             _spoilt(lambda new, P_new, x, P, z, R, K: (new, P_new - K @ R @ K.T))
+        ),
+        "the covariance is that of R alone: I - K H of P": (
+            _spoilt(lambda new, P_new, x, P, z, R, K: (new, K @ R @ K.T))
+        ),
+        "Joseph's form has R where K R K^T belongs": (
+            _spoilt(
+                lambda new, P_new, x, P, z, R, K: (
+                    (new, P_new - K @ R @ K.T + R)
+                    if R.shape == P.shape
+                    else (new, P_new - K @ R @ K.T + R.sum())
+                )
+            )
+        ),
+        "S is not inverted: K = P H^T S^-1": _by(lambda P, H, R: P @ H.T @ (H @ P @ H.T + R)),
+        "only the variances of S are inverted: take np.linalg.inv of all of it": (
+            _by(lambda P, H, R: P @ H.T / np.diag(H @ P @ H.T + R))
+        ),
+        "R is subtracted in S: the sensor's noise adds to H P H^T": (
+            _by(lambda P, H, R: P @ H.T @ np.linalg.inv(H @ P @ H.T - R))
+        ),
+        "P is missing in the gain: K = P H^T S^-1": (
+            _by(lambda P, H, R: H.T @ np.linalg.inv(H @ P @ H.T + R))
+        ),
+        "the order is turned round: (I - K H) P, with P on the right": (
+            _spoilt(lambda new, P_new, x, P, z, R, K: (new, P @ P_new @ np.linalg.inv(P)))
+        ),
+        "K R K^T is subtracted from P: what a measurement takes off is K S K^T": (
+            _spoilt(lambda new, P_new, x, P, z, R, K: (new, P - K @ R @ K.T))
+        ),
+        "that is what the measurement takes off P: P less that": (
+            _spoilt(lambda new, P_new, x, P, z, R, K: (new, P - P_new))
+        ),
+        "P is missing behind I - K H": (
+            _spoilt(lambda new, P_new, x, P, z, R, K: (new, P_new @ np.linalg.inv(P)))
+        ),
+        "the state is the step K (z - H x) alone: add it to x": (
+            _spoilt(lambda new, P_new, x, P, z, R, K: (new - x, P_new))
+        ),
+        "the prior's covariance is not used in S: S = H P H^T + R": (
+            _by(lambda P, H, R: P @ H.T @ np.linalg.inv(H @ H.T + R))
+        ),
+        "only the variances of P are used: what errs together is in the others": (
+            lambda x, P, z, H, R: kalman.update(x, np.diag(np.diag(P)), z, H, R)
         ),
         "the whole measurement is added: only what is new, z - H x, counts": (
             _spoilt(lambda new, P_new, x, P, z, R, K: (x + K @ z, P_new))

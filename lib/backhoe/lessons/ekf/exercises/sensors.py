@@ -13,6 +13,7 @@ from backhoe.localisation.imu import attitude_from_gravity
 
 def _forces(rng: np.random.Generator) -> list[tuple]:
     attitudes = rng.uniform((-2.8, -1.2, -3.0), (2.8, 1.2, 3.0), (40, 3))
+    attitudes[:3] = (0.0, 0.0, 0.0), (0.5, 0.0, 1.0), (0.0, -0.5, -1.0)
     return [(force,) for force in imu.specific_force(np.zeros((40, 3)), attitudes)]
 
 
@@ -27,12 +28,12 @@ def _flat_pitch(force: NDArray) -> NDArray:
 
 GRAVITY = Exercise(
     number="7.4",
-    title="Repair (4.22)",
+    title="Repair roll and pitch",
     reference=attitude_from_gravity,
     cases=_forces,
     oracle="gravity_turned_into_the_machine",
     mistakes={
-        "that is (4.22) as printed: roll and pitch are swapped, and a sign is lost": attitude_422,
+        "that is tilted as it stands: roll and pitch are swapped, and a sign is lost": attitude_422,
         "the names are right now; the sign of the pitch and the formula of the roll are not": (
             lambda force: attitude_422(force)[::-1]
         ),
@@ -51,6 +52,17 @@ GRAVITY = Exercise(
         ),
         "these are degrees: radians inside, degrees only at the edge": (
             lambda force: np.degrees(attitude_from_gravity(force))
+        ),
+        "the arguments of arctan2 are the other way round: the side over what is left, (y, z)": (
+            _roll_by(lambda x, y, z: np.arctan2(z, y))
+        ),
+        "both signs are turned round: the accelerometer feels the ground's push, not gravity": (
+            lambda force: attitude_from_gravity(-force)
+        ),
+        "the pitch is right over the nose only: divide by what is left, sqrt(a_y^2 + a_z^2)": (
+            lambda force: np.array(
+                [attitude_from_gravity(force)[0], np.arctan(-force[0] / force[2])]
+            )
         ),
         "the pitch forgets a_y: what is left of gravity is sqrt(a_y^2 + a_z^2)": _flat_pitch,
     },

@@ -99,7 +99,7 @@ def tour(chromium, lab):
 
 
 def test_a_fresh_copy_shows_no_answers_and_its_pictures(tour, lab):
-    with _ask(f"{lab}/files/07_ekf.ipynb") as file:
+    with _ask(f"{lab}/files/07a_beliefs.ipynb") as file:
         assert b'"outputs": []' in file.read()
     loaded = "picture => picture.complete && picture.naturalWidth > 0"
     assert tour.locator(".jp-RenderedMarkdown img").first.evaluate(loaded)

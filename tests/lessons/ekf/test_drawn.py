@@ -26,10 +26,8 @@ def beliefs():
     for row, (title, values) in enumerate(given.items()):
         items = [box(k - 0.4, 0.0, k + 0.4, value) for k, value in enumerate(values)]
         items += [box(1.5, 0.0, 2.5, 1.0), line(row, 0.9 * 1.15 * 0.8)]
-        panels.append(Panel("place [1]" if row else "", "", items, title))
-    fig = figures.beliefs(given, there=[0, 1], marked=[2])
-    assert fig.get_supylabel() == "probability [1]"
-    return fig, panels
+        panels.append(Panel("place [1]", "belief [1]", items, title))
+    return figures.beliefs(given, there=[0, 1], marked=[2]), panels
 
 
 def tunnels():
@@ -41,7 +39,10 @@ def tunnels():
     upper = [tunnel(T, -2 * deviation, 2 * deviation), line(T, errors, "one")]
     upper += [tunnel(T, -4 * deviation, 4 * deviation), line(T, -errors, "two")]
     lower = [tunnel(T, -2 * deviation, 2 * deviation), line(T, many[0], "runs"), line(T, many[1])]
-    return figures.tunnels(T, given), [Panel("", "x [m]", upper), Panel("time [s]", "y [m]", lower)]
+    return figures.tunnels(T, given), [
+        Panel("time [s]", "x [m]", upper),
+        Panel("time [s]", "y [m]", lower),
+    ]
 
 
 def honest():
@@ -56,7 +57,7 @@ def drives():
     covariances = np.arange(1.0, 5.0)[:, None, None] * P
     other = np.add(POSES, (0.2, -0.1, 0.0))
     given = {"filter": (other, covariances), "odometry": (POSES[:, ::-1], None)}
-    items = [track(POSES[:, :2], "truth"), track(POSES[[1, 3], :2])]
+    items = [track(POSES[:, :2], "truth")]
     items += [track(other[:, :2], "filter"), track(POSES[:, :0:-1], "odometry")]
     for mark in (1, 3):
         outline = around(other[mark], covariances[mark])
@@ -70,8 +71,17 @@ def clouds():
     items = [track(POSES[:, :2], "particles")]
     for name, (mean, covariance) in given.items():
         outline = around(mean, covariance)
-        items += [shape(outline), track(outline, name), track([mean[:2]])]
+        items += [shape(outline), track(outline), track([mean[:2]], f"{name}, 95 %")]
     return figures.clouds(POSES, given, title="there"), [Panel(X, Y, items, "there")]
+
+
+def promises():
+    given = {"free": (0.1 + T, 0.2 + T), "fixed": (0.1 * T, 0.3 - 0.05 * T)}
+    panels = [
+        Panel("time [s]", "sigma [m]", [line(T, one, "happened"), line(T, other, "claimed")], name)
+        for name, (one, other) in given.items()
+    ]
+    return figures.promises(T, given, "sigma [m]"), panels
 
 
 TestDrawn = proofs(
@@ -81,6 +91,7 @@ TestDrawn = proofs(
         "clouds": clouds,
         "consistency": honest,
         "drives_with_ellipses": drives,
+        "promises": promises,
         "tunnels": tunnels,
     },
 )

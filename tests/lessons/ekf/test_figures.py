@@ -49,7 +49,7 @@ def test_a_tunnel_is_two_deviations_wide_on_either_side():
 def test_many_runs_share_one_tunnel_and_one_label():
     ax = figures.tunnels(TIME, {"error [m]": {"runs": (np.zeros((4, 11)), TIME)}}).axes[0]
     assert len(ax.lines) == 4
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["runs"]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["runs", "2 sigma claimed"]
 
 
 @pytest.mark.parametrize("errors", [np.zeros(10), np.zeros((2, 2, 11))])
@@ -58,6 +58,8 @@ def test_a_tunnel_refuses_errors_that_do_not_fit_the_time(errors):
         figures.tunnels(TIME, {"error [m]": {"one": (errors, TIME)}})
     with pytest.raises(ValueError, match="needs a panel"):
         figures.tunnels(TIME, {})
+    with pytest.raises(ValueError, match="needs a panel"):
+        figures.promises(TIME, {}, "sigma [m]")
 
 
 def test_consistency_has_its_band_and_a_logarithmic_axis():

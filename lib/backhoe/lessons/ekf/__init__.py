@@ -1,1 +1,1 @@
-"""Lesson 07, `07_ekf`: its exercises, figures and printed formulas."""
+"""Chapter 07, `07a` to `07c`: its exercises, figures and printed formulas."""

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from backhoe.basics.inputs import numbers
 from backhoe.view.plots.paths import places
-from backhoe.view.plots.style import BLUE, COLOURS, DARK, GREY, KINDS, ORANGE, PALE, figure, styled
+from backhoe.view.plots.style import BLUE, DARK, KINDS, LOOKS, PALE, figure, looks, styled
 
-__all__ = ["beliefs", "clouds", "consistency", "drives_with_ellipses", "tunnels"]
+__all__ = ["beliefs", "clouds", "consistency", "drives_with_ellipses", "promises", "tunnels"]
 
 
 @styled
@@ -43,10 +43,10 @@ def beliefs(
         ax.bar(np.arange(len(values)), values, color=BLUE, width=0.8)
         if there is not None:
             ax.plot(there[row], 0.9 * top, "v", color=DARK, ms=8)
-        ax.set(ylim=(0, top))
+        ax.set(ylim=(0, top), xlabel="place [1]", ylabel="belief [1]")
         ax.set_title(title, loc="left", fontsize=10)
-    fig.supylabel("probability [1]", fontsize=11)
-    axes[-1, 0].set(xlabel="place [1]", xticks=np.arange(len(values)))
+    _outside(axes[:, 0])
+    axes[-1, 0].set(xticks=np.arange(len(values)))
     return fig
 
 
@@ -73,11 +73,38 @@ def tunnels(
         raise ValueError("tunnels needs a panel: ylabel -> {label: (errors, deviations)}")
     fig, axes = figure(6.8, 1.2 + 2.2 * len(panels), len(panels), squeeze=False, sharex=True)
     for ax, (ylabel, series) in zip(axes[:, 0], panels.items(), strict=True):
-        for place, (label, (errors, deviations)) in enumerate(series.items()):
-            _tunnel(ax, time, label, errors, deviations, COLOURS[place % len(COLOURS)])
-        ax.set(ylabel=ylabel, **settings)
-        ax.legend(fontsize=9, loc="upper left")
-    axes[-1, 0].set_xlabel(xlabel)
+        for (label, (errors, deviations)), look in zip(series.items(), looks(series), strict=True):
+            _tunnel(ax, time, label, errors, deviations, look)
+        ax.set(xlabel=xlabel, ylabel=ylabel, **settings)
+        ax.legend(fontsize=9, loc="upper left", ncols=2 * len(series))
+    _outside(axes[:, 0])
+    return fig
+
+
+@styled
+def promises(
+    time: ArrayLike, panels: Mapping[str, tuple[ArrayLike, ArrayLike]], ylabel: str
+) -> Figure:
+    """What deviation filters claim over time, and what happened to their errors, a panel each.
+
+    Args:
+        time: shape (n,) [s].
+        panels: name of a filter -> (what happened, what it claims), shape (n,) each.
+        ylabel: quantity with its unit.
+
+    Raises:
+        ValueError: no panel, or values that do not fit the time.
+    """
+    time = numbers(time, "time", ("n",))
+    if not panels:
+        raise ValueError("promises needs a panel: name -> (happened, claimed)")
+    fig, axes = figure(6.8, 3.4, 1, len(panels), squeeze=False, sharey=True)
+    for ax, (name, (happened, claimed)) in zip(axes[0], panels.items(), strict=True):
+        happened, claimed = (numbers(one, name, time.shape) for one in (happened, claimed))
+        ax.plot(time, happened, label="happened", **KINDS["truth"])
+        ax.plot(time, claimed, label="claimed", **looks(["EKF"])[0])
+        ax.set(title=name, xlabel="time [s]", ylabel=ylabel)
+    fig.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return fig
 
 
@@ -110,11 +137,12 @@ def consistency(
         )
     fig, ax = figure(6.8, 4.0)
     ax.axhspan(*band, color=PALE, zorder=0, label="95 % of an honest filter")
+    own = iter(looks([label for label in values if label not in kinds]))
     for label, curve in values.items():
         t, y = numbers(time[label], label, ("n",)), numbers(curve, label, ("n",), finite=False)
         if len(t) != len(y):
             raise ValueError(f"{label!r} has {len(t)} times and {len(y)} values")
-        ax.plot(t, y, label=label, **{"linewidth": 1.4, **KINDS.get(kinds.get(label, ""), {})})
+        ax.plot(t, y, label=label, **(KINDS[kinds[label]] if label in kinds else next(own)))
     ax.set(yscale="log", xlabel="time [s]", ylabel=ylabel, title=title)
     fig.legend(loc="outside lower center", ncols=2)
     return fig
@@ -143,15 +171,16 @@ def drives_with_ellipses(
     if lost := set(kinds) - set(estimates):
         raise ValueError(f"no estimate called {sorted(lost)}: there are {sorted(estimates)}")
     fig, ax = figure(6.8, 5.0)
-    ax.plot(*truth.T, label="truth", **KINDS["truth"])
+    at = list(marks)
+    ax.plot(*truth.T, label="truth", marker="o", ms=5, markevery=at, **KINDS["truth"])
+    own = iter(looks([label for label in estimates if label not in kinds]))
     for label, (poses, covariances) in estimates.items():
         poses = places(poses, label)
-        style = KINDS.get(kinds.get(label, ""), {})
-        (line,) = ax.plot(*poses.T, label=label, **{"linewidth": 1.5, **style})
+        look = KINDS[kinds[label]] if label in kinds else next(own)
+        (line,) = ax.plot(*poses.T, label=label, **look)
         if covariances is not None:
-            for mark in marks:
+            for mark in at:
                 _ellipse(ax, poses[mark], np.asarray(covariances)[mark], line.get_color())
-    ax.plot(*truth[list(marks)].T, "o", color=DARK, ms=5, zorder=6)
     ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal", title=title)
     ax.margins(0.06)
     fig.legend(loc="outside lower center", ncols=3)
@@ -177,18 +206,29 @@ def clouds(
     """
     points = places(points, "points")
     fig, ax = figure(6.8, 4.6)
-    ax.plot(*points.T, ".", color=GREY, ms=3, alpha=0.5, label=label)
-    for place, (name, (mean, P)) in enumerate(ellipses.items()):
-        colour = (BLUE, ORANGE, *COLOURS[2:])[place]
-        _ellipse(ax, np.asarray(mean)[:2], np.asarray(P), colour, 2.2, name)
-        ax.plot(*np.asarray(mean)[:2], "P", color=colour, mec=DARK, ms=9)
+    ax.plot(*points.T, ".", color=LOOKS["particles"][0], ms=3, alpha=0.35, label=label)
+    for (name, (mean, P)), look in zip(ellipses.items(), looks(ellipses), strict=True):
+        mean, mark = np.asarray(mean)[:2], look.get("marker", "o")
+        _ellipse(ax, mean, np.asarray(P), look["color"], 2.2)
+        ax.plot(*mean, mark, color=look["color"], mec="white", ms=9, label=f"{name}, 95 %")
     ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal", title=title)
     fig.legend(loc="outside lower center", ncols=3)
     return fig
 
 
+def _outside(axes: Sequence[Axes]) -> None:
+    """The common horizontal axis has its label below the last panel alone."""
+    for ax in axes[:-1]:
+        ax.xaxis.label.set_visible(False)
+
+
 def _tunnel(
-    ax: Axes, time: NDArray, label: str, errors: ArrayLike, deviations: ArrayLike, colour: str
+    ax: Axes,
+    time: NDArray,
+    label: str,
+    errors: ArrayLike,
+    deviations: ArrayLike,
+    look: Mapping[str, object],
 ) -> None:
     errors, deviations = np.asarray(errors, float), np.asarray(deviations, float)
     if errors.shape[-1:] != time.shape or deviations.shape != time.shape or errors.ndim > 2:
@@ -196,10 +236,11 @@ def _tunnel(
             f"{label!r} needs errors (n,) or (runs, n) and deviations (n,) for n = {len(time)}, "
             f"got {errors.shape} and {deviations.shape}"
         )
-    ax.fill_between(time, -2 * deviations, 2 * deviations, color=colour, alpha=0.22, lw=0)
-    thin = errors.ndim > 1
-    drawn = ax.plot(time, errors.T, color=colour, lw=0.7 if thin else 1.5, alpha=0.6 if thin else 1)
+    thin = {"lw": 0.7, "alpha": 0.6} if errors.ndim > 1 else {}
+    drawn = ax.plot(time, errors.T, **{**look, **thin})
     drawn[0].set_label(label)
+    band = {"color": look["color"], "alpha": 0.22, "lw": 0, "label": "2 sigma claimed"}
+    ax.fill_between(time, -2 * deviations, 2 * deviations, **band)
 
 
 def _ellipse(
@@ -208,10 +249,9 @@ def _ellipse(
     P: NDArray,
     colour: str,
     width: float = 1.2,
-    label: str | None = None,
 ) -> None:
     from backhoe.localisation.kalman import ellipse
 
     outline = ellipse(mean, P[:2, :2])
     ax.fill(*outline.T, facecolor=colour, alpha=0.12, zorder=2)
-    ax.plot(*outline.T, color=colour, lw=width, label=label, zorder=3)
+    ax.plot(*outline.T, color=colour, lw=width, zorder=3)

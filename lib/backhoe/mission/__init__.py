@@ -3,8 +3,8 @@
 `run()` digs and loads with the library's parts, `lift()` carries a load, `drive()` drives along a
 path, `obey()` is given hard orders, `survey()` keeps a map of the work, `grade()` draws a slope;
 `run(name=mine)` swaps a part in, and so on. `PARTS`, `LIFT_PARTS`, `DRIVE_PARTS`, `SURVEY_PARTS`
-and `GRADE_PARTS` say what each part takes and gives. `score` sets a run beside the same run with the
-library's parts only. This is the one package that knows all parts.
+and `GRADE_PARTS` say what each part takes and gives. `score` sets a run beside the same run with
+the library's parts only. This is the one package that knows all parts.
 """
 
 from backhoe.mission.design import SlopeDesign, TrenchDesign

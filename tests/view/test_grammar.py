@@ -149,6 +149,19 @@ def test_the_last_digits_of_a_processor_are_not_told():
     assert one == other
 
 
+def test_what_leaves_the_view_is_told_up_to_its_edge():
+    """How high a pole's spike is depends on the processor."""
+    fig = plots.lines([0, 1, 2], {"gain": [1, 4.7e15, -3]}, "t [s]", "x [m]", ylim=(20, 0))
+    assert "gain 0 to 20" in told(fig)
+
+
+def test_a_shared_axis_is_told_by_the_name_that_it_has_in_another_panel():
+    fig = plots.stacked([0, 1], {"x [m]": {"a": [120, 340]}, "y [m]": {"b": [0, 1]}})
+    assert told(fig).count("time [s] -0.05 to 1.1") == 2 and "a 120 to 340" in told(fig)
+    fig.axes[1].set_xlabel("")
+    assert told(fig).count("no name") == 2
+
+
 def test_an_empty_figure_and_empty_curves_are_told_too():
     fig, ax = style.figure()
     ax.axis("off")

@@ -11,7 +11,7 @@ MOST = 8
 
 
 def told(fig: Figure) -> str:
-    """One sentence on what is drawn: axes with their units and ranges, and each curve's range.
+    """One sentence on what is drawn: axes with their units and ranges, each curve's range in view.
 
     Numbers have two digits, so that the last digits of a processor do not matter. An empty figure
     gives an empty text.
@@ -25,12 +25,13 @@ def told(fig: Figure) -> str:
 
 def _panel(ax: Axes) -> Iterator[str]:
     if ax.axison:
-        sides = ((ax.get_xlabel(), ax.get_xlim()), (ax.get_ylabel(), ax.get_ylim()))
+        sides = ((_name(ax, "x"), ax.get_xlim()), (_name(ax, "y"), ax.get_ylim()))
         yield ", ".join(f"{name or 'no name'} {_span(limits)}" for name, limits in sides)
     curves = [line for line in ax.lines if line.get_visible() and len(line.get_xdata())]
     named = [line for line in curves if not line.get_label().startswith("_")]
     for line in named[:MOST]:
-        yield f"{line.get_label()} {_span(line.get_ydata())}"
+        in_view = np.clip(np.asarray(line.get_ydata(), dtype=float), *sorted(ax.get_ylim()))
+        yield f"{line.get_label()} {_span(in_view)}"
     others = {
         "other line": len(curves) - len(named[:MOST]),
         "shape": len(ax.patches),
@@ -41,6 +42,12 @@ def _panel(ax: Axes) -> Iterator[str]:
     counts = [f"{count} {name}{'s' * (count > 1)}" for name, count in others.items() if count]
     if counts:
         yield ", ".join(counts)
+
+
+def _name(ax: Axes, side: str) -> str:
+    """The label of an axis, or that of another panel that shares it."""
+    shared = [ax, *getattr(ax, f"get_shared_{side}_axes")().get_siblings(ax)]
+    return next(filter(None, (getattr(one, f"get_{side}label")() for one in shared)), "")
 
 
 def _span(values: object) -> str:
@@ -56,4 +63,5 @@ def _span(values: object) -> str:
 
 def _two_digits(value: float) -> str:
     """Rounded by way of six digits: 0.0449999999 and 0.045 are the same number twice."""
-    return f"{float(f'{value:.6g}'):.2g}"
+    six = float(f"{value:.6g}")
+    return f"{float(f'{six:.2g}'):g}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import permutations
 from math import pi
 
 import numpy as np
@@ -115,3 +116,34 @@ def a_stroke_that_begins_and_ends_right(answer, strip, heights, directions, reac
     np.testing.assert_allclose(np.diff(reach[:4]), np.diff(tips[:4, 0]), atol=1e-6)
     np.testing.assert_allclose(np.diff(path[1:4, 2]), np.diff(tips[1:4, 1]), atol=1e-6)
     np.testing.assert_allclose([path[0, 2], reach[4], path[4, 2]], [4.2, 5.8, 3.4], atol=1e-6)
+
+
+EQUAL = {
+    "14.1": {
+        "the result is never negative": "a volume",
+        "surface is never negative": "heights over the ground of a heap",
+        "reaches is never negative": "distances",
+        "reaches: even steps": "those of a polar map",
+        "reaches: that of the first case": "only their steps count, and those are a map's",
+        "start: abs": "a distance",
+    },
+    "14.2": {"fill: abs": "shares of a bucket"},
+    "14.5": {
+        "the result is never negative": "times, shares and rates of a site that digs",
+        **dict.fromkeys(
+            [f"{name} is never negative" for name in ("begins", "ends", "dug", "loaded", "time")],
+            "times since the mission began, and volumes",
+        ),
+        **{
+            f"{one} cut to the length of {other}": "one number a cycle in each"
+            for one, other in permutations(("begins", "ends", "dug", "loaded"), 2)
+        },
+    },
+    "14.6": {
+        "left: the first sample is the second": "one sample never rings",
+        "gyro: the first sample is the second": "one sample never rings",
+        "sigma: abs": "a standard deviation",
+        "count is never negative": "a count",
+    },
+}
+"""Mutants that are the reference in disguise, with the reason."""

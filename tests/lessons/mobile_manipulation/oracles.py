@@ -92,3 +92,10 @@ def a_linear_programme_and_multipliers(v, J, b, preferred, lower, upper):
     touched = np.c_[np.eye(6)[:, v > upper - 1e-7], -np.eye(6)[:, v < lower + 1e-7]]
     _, left = nnls(np.c_[J.T, -J.T, touched], preferred - v)
     assert left < 1e-6
+
+
+EQUAL = {
+    "12.5": {"length: zero for negative": "a length"},
+    "12.7": {"upper is never negative": "limits of both directions: standing still is allowed"},
+}
+"""Mutants that are the reference in disguise, with the reason."""

@@ -106,3 +106,16 @@ def level_all_the_way_and_no_mesh_in_a_box(answer, start, goal, world):
         for low, high in world._boxes:
             away = np.linalg.norm(np.clip(placed, low, high) - placed, axis=-1)
             assert (away > sizes - 1e-9).all()
+
+
+EQUAL = {
+    "11.2": {"step is never negative": "a length"},
+    "11.3": {
+        "discs[2]: abs": "a radius",
+        "resolution is never negative": "a length",
+        "resolution: that of the first case": "any length that jumps over no disc is right",
+    },
+    "11.4": {"cost is never negative": "lengths of ways", "radius: abs": "a radius"},
+    "11.5": {"spheres[3] is never negative": "radii"},
+}
+"""Mutants that are the reference in disguise, with the reason."""

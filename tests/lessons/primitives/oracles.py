@@ -123,3 +123,21 @@ def a_mean_with_weights_from_logarithms(answer, tries, costs):
     logs = -10.0 * (costs - costs.min()) / (costs.max() - costs.min())
     shares = [np.exp(one - np.logaddexp.reduce(logs)) for one in logs]
     assert_allclose(answer, np.average(tries[order], axis=0, weights=np.take(shares, order)))
+
+
+EQUAL = {
+    "10.1": {"K is never negative": "a spring's stiffness"},
+    "10.2": {
+        "s is never negative": "the phase falls from 1 towards 0",
+        "tau is never negative": "a duration",
+        "K is never negative": "a spring's stiffness",
+        "D is never negative": "a damper's",
+    },
+    "10.3": {
+        "s is never negative": "the phase falls from 1 towards 0",
+        "centres is never negative": "places in the phase",
+        "widths is never negative": "widths of bells",
+    },
+    "10.5": {"s is never negative": "the phase falls from 1 towards 0"},
+}
+"""Mutants that are the reference in disguise, with the reason."""

@@ -107,3 +107,30 @@ def each_window_is_its_partner_but_for_the_light(answer, left, right):
             for eye, column in ((left, j), (right, j - d))
         )
         assert mine.std() > 0.1 and (mine - partner).std() < 1e-9
+
+
+EQUAL = {
+    "8.1": {"the result is never negative": "a pixel of the picture, counted from its corner"},
+    "8.2": {"pixel[0] is never negative": "a pixel of the picture, counted from its corner"},
+    "8.3": {"left is never negative": "a pixel of the picture, counted from its corner"},
+    "8.4": {
+        "the result at [2] is never negative": "what both eyes see is in front of them",
+        **dict.fromkeys(
+            [f"{name} is never negative" for name in ("u", "v", "d", "f", "cx", "cy", "baseline")],
+            "pixels of the picture, a disparity, a focal length and a distance of two eyes",
+        ),
+    },
+    "8.6": {
+        "the result is never negative": "depths",
+        "value 0 of the result is never negative": "a depth",
+        "disparities is never negative": "a count",
+    },
+    "8.7": {
+        "the result at [2] is never negative": "what both eyes see is in front of them",
+        **dict.fromkeys(
+            [f"{name} is never negative" for name in ("f", "B", "cx", "cy")],
+            "a focal length, a distance of two eyes, and the middle of the picture",
+        ),
+    },
+}
+"""Mutants that are the reference in disguise, with the reason."""

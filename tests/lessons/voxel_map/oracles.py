@@ -127,3 +127,28 @@ def all_pairs_of_voxels(answer, occupied, cell):
     assert_allclose(
         answer, cell * abs(places[..., None] - places[occupied]).min(axis=-1), atol=1e-9
     )
+
+
+EQUAL = {
+    "9.1": {
+        "ranges is never negative": "a range",
+        "poses[2] is never negative": "the mount turns about the vertical",
+    },
+    "9.5": {
+        "size is never negative": "a voxel's edge",
+        "most is never negative": "a range",
+    },
+    "9.7": {
+        "value 1 of the result is never negative": "a variance",
+        "P is never negative": "a variance",
+        "R is never negative": "a variance",
+        "gate: zero for negative": "a number of standard deviations",
+    },
+    "9.8": {
+        "var_before is never negative": "variances",
+        "var_after is never negative": "variances",
+        "cell: zero for negative": "a cell's edge",
+        "lift: zero for negative": "a height's standard deviation",
+    },
+}
+"""Mutants that are the reference in disguise, with the reason."""

@@ -25,9 +25,10 @@ def strip_fill(surface: NDArray, bottom: NDArray, reaches: NDArray, start: float
 
 
 def _profiles(rng: np.random.Generator) -> list[tuple]:
-    reaches, cases = np.arange(35, 71) / 10, []
+    cases = []
     for k in range(24):
-        start, height = rng.integers(52, 64) / 10, (0.15, 0.4, 1.2)[k % 3]
+        reaches = np.arange(35 - k % 4, 71) / 10 + 0.1 * (k % 5)
+        start, height = reaches[rng.integers(17, 29)], (0.15, 0.4, 1.2)[k % 3]
         surface = height * np.exp(
             -(((reaches - rng.uniform(4.5, 6.5)) / rng.uniform(0.5, 1.2)) ** 2)
         )
@@ -95,7 +96,7 @@ def which_strip(fill: NDArray, side: NDArray, directions: NDArray, truck: float)
 def _tables(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for k in range(30):
-        directions = np.radians(np.arange(-75, 61, 15))
+        directions = np.radians(np.arange(-75, 61, 15) + 10 * (k % 3 - 1))
         fill = rng.uniform(0.35, 0.7, (len(directions), 4))
         side = rng.uniform(-30e3, 30e3, fill.shape)
         if k % 6 == 4:

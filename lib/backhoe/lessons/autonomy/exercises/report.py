@@ -110,8 +110,8 @@ def alarm(gyro: NDArray, left: NDArray, right: NDArray, sigma: float, count: int
 def _drives(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for k in range(24):
-        n, sigma = 120, rng.uniform(0.005, 0.02)
-        speed = rng.uniform(1.0, 3.0, n)
+        n, sigma = 120, 10 ** rng.uniform(-3, -1.3)
+        speed = (-1) ** (k // 4) * rng.uniform(1.0, 3.0, n)
         turn = (-1) ** k * rng.uniform(0.15, 0.4) * np.sin(np.arange(n) / rng.uniform(8, 20))
         left, right = (speed - s * turn * GAUGE / 2 / RADIUS for s in (1, -1))
         gyro = turn + sigma * rng.normal(size=n)

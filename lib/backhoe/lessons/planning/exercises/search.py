@@ -253,8 +253,10 @@ def _neighbourhoods(rng: np.random.Generator) -> list[tuple]:
     """Costs of trees that are longer than the straight way, as they are after a detour."""
     cases = []
     while len(cases) < 24:
-        nodes, new = rng.uniform(0, 4, (25, 2)), rng.uniform(1, 3, 2)
-        cost = np.linalg.norm(nodes, axis=1) * rng.uniform(1, 1.5, 25) + rng.exponential(0.8, 25)
+        nodes, new = rng.uniform(-2, 2, (25, 2)), rng.uniform(-1, 1, 2)
+        cost = np.linalg.norm(nodes + 2, axis=1) * rng.uniform(1, 1.5, 25) + rng.exponential(
+            0.8, 25
+        )
         free, radius = rng.random(25) < 0.7, float(rng.uniform(0.9, 1.6))
         apart = np.linalg.norm(nodes - new, axis=1)
         if (free & (apart <= radius)).any():

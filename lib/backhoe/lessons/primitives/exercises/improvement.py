@@ -73,7 +73,7 @@ def _batches(rng: np.random.Generator) -> list[tuple]:
             costs[rng.integers(len(costs))] = np.inf
         if k % 4 == 2:
             costs -= costs[np.isfinite(costs)][0]
-        cases.append((costs, float(rng.choice([1.0, 5.0, 10.0, 30.0]))))
+        cases.append((costs, float(rng.choice([0.7, 4.5, 10.0, 30.5]))))
     return cases
 
 

@@ -71,7 +71,7 @@ def _shift_cases(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for k in range(12):
         n, d = 20 + k, 1 + k % 4
-        t = (k % 3) * 2.0 + np.cumsum(rng.uniform(0.016, 0.151, n))
+        t = (k % 3 - 1) * 2.0 + np.cumsum(rng.uniform(0.016, 0.151, n))
         x = np.cumsum(rng.normal(size=(n, d)), axis=0)
         cases.append((x, t, x[0] + rng.normal(size=d), x[-1] + rng.normal(size=d)))
     return cases

@@ -77,15 +77,15 @@ def target(
 def _shown(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for _ in range(20):
-        t = np.linspace(0, rng.uniform(2, 12), 40)
-        a, b, c, w = rng.normal(size=4)
-        x, dx, ddx = a + b * t + c * np.sin(w * t), b + c * w * np.cos(w * t), -c * w * w
+        t = np.cumsum(rng.uniform(0.05, 0.3, 40))
+        a, b, c, w, p = rng.normal(size=5)
+        x, dx, ddx = a + b * t + c * np.sin(w * t + p), b + c * w * np.cos(w * t + p), -c * w * w
         cases.append(
             (
                 x,
                 dx,
-                ddx * np.sin(w * t),
-                np.exp(-5.25 * t / t[-1]),
+                ddx * np.sin(w * t + p),
+                np.exp(-rng.uniform(3, 7) * t / t[-1]),
                 rng.uniform(0.5, 6),
                 10 ** rng.uniform(0.5, 2.5),
                 rng.uniform(3, 30),
@@ -156,10 +156,11 @@ def weights(s: NDArray, f: NDArray, centres: NDArray, widths: NDArray) -> NDArra
 def _samples(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for k in range(20):
-        s = np.exp(-5.25 * np.sort(np.r_[0, rng.uniform(size=60), 1]))
-        centres = np.exp(-5.25 * np.linspace(0, 1, 5 + k % 4))
-        apart = -np.diff(centres)
-        cases.append((s, rng.normal(size=62), centres, 0.5 / np.r_[apart, apart[-1]] ** 2))
+        rate, n = rng.uniform(3, 7), 5 + k % 4
+        s = np.exp(-rate * np.sort(np.r_[0, rng.uniform(size=60), 1]))
+        centres = np.exp(-rate * np.linspace(0, 1, n))
+        apart = -np.diff(centres, append=0.5 * centres[-1])
+        cases.append((s, rng.normal(size=62), centres, rng.uniform(0.3, 0.8, n) / apart**2))
     return cases
 
 
@@ -232,8 +233,10 @@ def _recordings(rng: np.random.Generator) -> list[tuple]:
     cases = []
     for _ in range(12):
         t = np.cumsum(rng.uniform(0.016, 0.151, 60))
-        w = rng.uniform(0.5, 2.0)
-        cases.append((t - t[0], np.sin(w * t) + 5e-3 * rng.normal(size=60), rng.uniform(0.5, 0.9)))
+        w, start = rng.uniform((0.5, -3.0), (2.0, 3.0))
+        cases.append(
+            (t + start, np.sin(w * t + start) + 5e-3 * rng.normal(size=60), rng.uniform(0.5, 0.9))
+        )
     return cases
 
 

@@ -48,7 +48,7 @@ def _intrinsic(rng: np.random.Generator) -> NDArray:
 
 
 def _lens(rng: np.random.Generator) -> NDArray:
-    return rng.uniform([-0.3, 0.02, 1e-3, 1e-3, 0.005], [-0.1, 0.1, 4e-3, 4e-3, 0.02])
+    return rng.uniform([-0.3, -0.1, -4e-3, -4e-3, -0.02], [0.1, 0.1, 4e-3, 4e-3, 0.02])
 
 
 def _point(rng: np.random.Generator) -> NDArray:

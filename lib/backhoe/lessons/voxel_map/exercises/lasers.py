@@ -24,7 +24,7 @@ def _beams(rng: np.random.Generator) -> list[tuple]:
         poses[:, :3, 3] = rng.uniform(-3, 3, 3) + np.c_[1.5 * c, 1.5 * s, 0 * c]
         ranges, angle = rng.uniform(1, 20, n), rng.uniform(-1.2, 1.2, n)
         ranges[rng.random(n) < 0.15 * (n > 1)] = np.nan
-        cases.append((ranges, angle, rng.uniform(-0.1, 1.0, n), poses))
+        cases.append((ranges, angle, rng.uniform(-0.6, 1.0, n), poses))
     return cases
 
 
@@ -91,7 +91,7 @@ def _scans(rng: np.random.Generator) -> list[tuple]:
             line[first + 4] = rng.uniform(4, 5)
         ranges[rng.random(a.shape) < 0.06] = np.nan
         ahead = np.stack([np.cos(a) * np.cos(down), np.sin(a), -np.cos(a) * np.sin(down)], axis=-1)
-        origin = rng.uniform(-3, 3, 3) + np.array([0, 0, 3])
+        origin = rng.uniform(-12, 3, 3)
         cases.append((origin + ranges[..., None] * ahead, origin))
     return cases
 

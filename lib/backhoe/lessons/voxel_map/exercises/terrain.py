@@ -101,9 +101,9 @@ def volume_with_deviation(
 
 def _two_scans(rng: np.random.Generator) -> list[tuple]:
     cases = []
-    for _ in range(20):
+    for k in range(20):
         shape = tuple(rng.integers(3, 12, 2))
-        before, dug = rng.normal(size=shape), rng.uniform(-0.2, 0.6, shape)
+        before, dug = rng.normal(size=shape), (-1) ** (k // 2) * rng.uniform(-0.2, 0.6, shape)
         variances = rng.uniform(2e-5, 4e-4, (2, *shape))
         cases.append((before, before - dug, *variances, rng.uniform(0.05, 0.3), 0.0))
         cases[-1] = (*cases[-1][:5], rng.uniform(0.002, 0.02))

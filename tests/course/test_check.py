@@ -275,6 +275,12 @@ PATTERNS = {
     "the components are in the order 1, 2, 0": ("9.2", lambda v: stretch(v)[[1, 2, 0]]),
     "the rows are in the order 1, 0, 2": ("9.1", lambda q: turn(q)[[1, 0, 2]]),
     "the columns are in the order 0, 2, 1": ("9.1", lambda q: turn(q)[:, [0, 2, 1]]),
+    "it is never negative where it should be: is there an abs too many?": (
+        "9.1",
+        lambda q: abs(turn(q)),
+    ),
+    "it is zero where it should be negative": ("9.1", lambda q: np.maximum(turn(q), 0)),
+    "the numbers are whole": ("9.2", lambda v: stretch(v).astype(int)),
     "it returns only zeros": ("9.1", lambda q: np.zeros((3, 3))),
     "it returns the same for every input": ("9.1", lambda q: np.eye(3)),
     "entry [2] (counted from 0) is wrong, the others are right; there, the sign is wrong "

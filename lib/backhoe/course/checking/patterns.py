@@ -36,6 +36,14 @@ def overall(one: NDArray, other: NDArray, near: Callable) -> str | None:
         return "the matrix is transposed"
     if not one.any():
         return "it returns only zeros"
+    if near(one, np.abs(other)).all():
+        return "it is never negative where it should be: is there an abs too many?"
+    if other.dtype.kind == "f" and near(one, np.maximum(other, 0)).all():
+        return "it is zero where it should be negative"
+    if _whole(one) and any(
+        near(one, whole(other)).all() for whole in (np.trunc, np.floor, np.rint)
+    ):
+        return "the numbers are whole: a division by //, a rounding, or an array of integers?"
     if one.shape[0] > 1 and near(one, one[0]).all() and not near(other, other[0]).all():
         return "it returns the same for every input"
     return _scaled(one, other, near) or _shifted(one, other, near)
@@ -57,6 +65,10 @@ def in_pieces(one: NDArray, other: NDArray, near: Callable) -> str | None:
         return None
     told = f"{_which(wrong)} wrong, the others are right"
     return f"{told}; there, {why}" if why else told
+
+
+def _whole(one: NDArray) -> bool:
+    return one.dtype.kind == "f" and bool(np.isfinite(one).all()) and not np.any(one % 1)
 
 
 def _scaled(one: NDArray, other: NDArray, near: Callable) -> str | None:

@@ -162,6 +162,12 @@ def test_a_shared_axis_is_told_by_the_name_that_it_has_in_another_panel():
     assert told(fig).count("no name") == 2
 
 
+def test_an_axis_of_words_has_names_in_place_of_a_quantity():
+    fig = plots.lines([0, 1], {"a": [0, 1]}, "t [s]", "")
+    fig.axes[0].set_yticks([0, 1], ["first", "second"])
+    assert "names -0.05 to 1.1" in told(fig)
+
+
 def test_an_empty_figure_and_empty_curves_are_told_too():
     fig, ax = style.figure()
     ax.axis("off")

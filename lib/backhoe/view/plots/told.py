@@ -5,9 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter, FuncFormatter
 
 MOST = 8
 """Curves of a panel that are told one by one."""
+
+FORMATS = FixedFormatter, FuncFormatter
+"""What makes words of ticks."""
 
 
 def told(fig: Figure) -> str:
@@ -45,9 +49,11 @@ def _panel(ax: Axes) -> Iterator[str]:
 
 
 def _name(ax: Axes, side: str) -> str:
-    """The label of an axis, or that of another panel that shares it."""
+    """The label of an axis, or that of another panel that shares it; "names" of a list of words."""
     shared = [ax, *getattr(ax, f"get_shared_{side}_axes")().get_siblings(ax)]
-    return next(filter(None, (getattr(one, f"get_{side}label")() for one in shared)), "")
+    words = isinstance(getattr(ax, f"{side}axis").get_major_formatter(), FORMATS)
+    labels = (getattr(one, f"get_{side}label")() for one in shared)
+    return next(filter(None, labels), "names" if words else "")
 
 
 def _span(values: object) -> str:

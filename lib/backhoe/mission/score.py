@@ -16,6 +16,7 @@ from backhoe.mission.autonomy.running import AutonomyRun
 from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
+from backhoe.mission.holding import HoldRun, HoldScore, measure
 from backhoe.mission.lifting import LiftRun, lift
 from backhoe.mission.loading import Run, run
 from backhoe.mission.orders import OrderRun, OrderScore
@@ -367,8 +368,17 @@ def _reference_grading(**settings: object) -> SurfaceScore:
 
 
 def score(
-    run: Run | DriveRun | LiftRun | OrderRun | SurveyRun | GradingRun | AutonomyRun,
-) -> Score | DriveScore | LiftScore | OrderScore | SurveyScore | SurfaceScore | AutonomyScore:
+    run: Run | DriveRun | LiftRun | OrderRun | SurveyRun | GradingRun | HoldRun | AutonomyRun,
+) -> (
+    Score
+    | DriveScore
+    | LiftScore
+    | OrderScore
+    | SurveyScore
+    | SurfaceScore
+    | HoldScore
+    | AutonomyScore
+):
     """Measure a run beside the same run with the library's parts only.
 
     The reference runs in a new world of the same scene and soil, by the same backend if it is the
@@ -377,7 +387,8 @@ def score(
     reference: drive the plant again without your tracker.
 
     Args:
-        run: what `mission.run`, `drive`, `lift`, `obey`, `survey`, `grade` or `autonomy.run` gave.
+        run: what `mission.run`, `drive`, `lift`, `obey`, `survey`, `grade`, `hold` or
+            `autonomy.run` gave.
 
     Returns:
         The score; `print` shows it beside the reference.
@@ -385,8 +396,10 @@ def score(
     Raises:
         TypeError: run is something else.
     """
-    kinds = (Run, DriveRun, LiftRun, OrderRun, SurveyRun, GradingRun, AutonomyRun)
-    advice = "take what mission.run, drive, lift, obey, survey, grade or autonomy.run returned"
+    kinds = (Run, DriveRun, LiftRun, OrderRun, SurveyRun, GradingRun, HoldRun, AutonomyRun)
+    advice = (
+        "take what mission.run, drive, lift, obey, survey, grade, hold or autonomy.run returned"
+    )
     instance(run, "run", kinds, advice)
     if isinstance(run, AutonomyRun | OrderRun):
         return scored(run) if isinstance(run, AutonomyRun) else scored_orders(run)
@@ -394,6 +407,8 @@ def score(
         settings = {name: getattr(run, name) for name in ("load", "machine", "backend")}
         reference = _reference_lift(**settings) if run.swapped else None
         return replace(_measure_lift(run), reference=reference)
+    if isinstance(run, HoldRun):
+        return measure(run)
     if isinstance(run, GradingRun):
         reference = _reference_grading(**run.settings) if run.swapped else None
         return replace(_measure_grading(run), reference=reference)

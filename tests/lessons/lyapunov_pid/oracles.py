@@ -2,11 +2,24 @@
 
 import numpy as np
 from numpy.testing import assert_allclose
+from scipy.signal import lfilter
 
 from backhoe.arm import dynamics, lyapunov
 from backhoe.machine import BACKHOE
 
 STILL = np.zeros(4)
+
+EQUAL = {
+    "3.1": {"ki is never negative": "an integral gain is positive"},
+    "3.5": {
+        f"{name} is never negative": "a bound, an inertia, or made of such and a gain: positive"
+        for name in ("value 1 of the result", "kg", "kc1", "lambda_min", "lambda_max")
+    },
+    "3.6": {
+        f"{name} is never negative": "a gain, a time, or made of both: positive"
+        for name in ("the result", "kd", "dt")
+    },
+}
 
 
 def rest_by_newton_and_euler(answer, q_goal, ki):
@@ -82,7 +95,7 @@ def demands_in_random_states(answer):
     assert (kp <= 10 * ki * (1 + 1e-9)).all()
     q = rng.uniform(BACKHOE.lower, BACKHOE.upper, (500, 4))
     M = dynamics.mass_matrix(q)
-    assert np.abs(np.linalg.eigvals(np.eye(4) - 0.001 * np.linalg.inv(M) * kd)).max() < 1
+    assert np.abs(np.linalg.eigvals(np.eye(4) - 0.01 * np.linalg.inv(M) * kd)).max() < 1
     error = rng.normal(size=(500, 4))
     error *= rng.uniform(0, 0.5, (500, 1)) / np.linalg.norm(error, axis=1, keepdims=True)
     heavier = M - np.einsum("nk,nkij->nij", error, dynamics.mass_matrix_derivative(q)) / 2
@@ -93,12 +106,22 @@ def demands_in_random_states(answer):
 
 def least_overshoot_of_two_integrals(answer, kp, ki, kd, dt, limit):
     """Each loop has that one of the old and the new integral which overshoots the limit less."""
+    _overshoot(answer, kp, ki, kd, dt, limit, 0.0)
+
+
+def least_overshoot_with_a_filtered_speed(answer, kp, ki, kd, dt, limit, filter_time):
+    """The same, with the speed through SciPy's recursive filter, its weights by their sum."""
+    _overshoot(answer, kp, ki, kd, dt, limit, filter_time)
+
+
+def _overshoot(answer, kp, ki, kd, dt, limit, filter_time):
     rng, n = np.random.default_rng(38), len(kp)
     time = dt * np.arange(150)[:, None]
     reference = np.sign(np.sin(40 * time + rng.uniform(0, 6, n))) + rng.uniform(-1, 1, n) * time
     measured = 0.3 * np.sin(20 * time + rng.uniform(0, 6, n)) + 0.2
     rate = rng.uniform(-1, 1, reference.shape)
-    speed = np.diff(measured, axis=0) / dt
+    new = dt / (filter_time + dt)
+    speed = lfilter([new], [1, new - 1], np.diff(measured, axis=0) / dt, axis=0)
     damping = kd * np.vstack([np.zeros(n), rate[1:] - speed])
     rows = reference, rate, measured
     outputs = [answer(*map(np.copy, sample)) for sample in zip(*rows, strict=True)]

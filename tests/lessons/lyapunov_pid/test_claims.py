@@ -176,3 +176,54 @@ def test_where_the_arm_waits_neither_loop_bears_the_delay_that_its_margin_allows
     assert lyapunov.sampled_radius(GAINS, q_wait) > 1.1
     assert lyapunov.sampled_radius(tuned.gains, q_wait, dt=0.01) > 1.1
     assert lyapunov.sampled_radius(tuned.gains, q_wait) < 1
+
+
+# 03a: the folded algebra
+
+
+def test_each_line_of_the_folded_algebra_is_the_rate_of_its_piece_of_v(rng):
+    """Each piece of V by differences along the motion, against the line that the lesson gives."""
+    alpha, (kp, ki, kd), still = 1.5, GAINS, np.zeros(4)
+
+    def pieces(w, e, v, goal):
+        q, M = goal - e, dynamics.mass_matrix(goal - e)
+        height = dynamics.energy(q, still)[1] - dynamics.energy(goal, still)[1]
+        return np.array(
+            [
+                v @ M @ v / 2,
+                -alpha * e @ M @ v,
+                alpha / 2 * e @ (kd * e),
+                w @ (ki * w) / (2 * alpha),
+                e @ ((kp - ki / alpha) * e) / 2,
+                height + e @ dynamics.gravity_torque(goal),
+            ]
+        )
+
+    def lines(w, e, v, goal):
+        q = goal - e
+        M, C = dynamics.mass_matrix(q), dynamics.coriolis_matrix(q, v)
+        lighter = dynamics.gravity_torque(goal) - dynamics.gravity_torque(q)
+        S = (kp - ki / alpha) * e + ki * w / alpha + lighter
+        return np.array(
+            [
+                v @ S - v @ (kd * v),
+                alpha * (v @ M @ v - e @ C.T @ v - e @ S + e @ (kd * v)),
+                -alpha * e @ (kd * v),
+                w @ (ki * e) - w @ (ki * v) / alpha,
+                -e @ ((kp - ki / alpha) * v),
+                -lighter @ v,
+            ]
+        )
+
+    for goal in in_box(rng, 20):
+        w, e, v = rng.uniform(-0.5, 0.5, (3, 4))
+        rates = lyapunov.closed_loop_rate(State(w, e, v, goal), GAINS, alpha)
+        h = 1e-6
+        after, before = (
+            pieces(*(x + side * rate for x, rate in zip((w, e, v), rates, strict=True)), goal)
+            for side in (h, -h)
+        )
+        slope, given = (after - before) / (2 * h), lines(w, e, v, goal)
+        np.testing.assert_allclose(slope, given, rtol=1e-4, atol=1e-4 * np.abs(given).max())
+        total = lyapunov.derivative(State(w, e, v, goal), GAINS, alpha)
+        assert given.sum() == pytest.approx(total, rel=1e-9, abs=1e-3)

@@ -29,8 +29,8 @@ def moved():
     top = fig.axes[0].get_ylim()[1]
     names = [words(name, (sum(span) / 2, top)) for name, span in PHASES.items()]
     return fig, [
-        Panel("", "angle [deg]", [*items[0], *SHADES, *names]),
-        Panel("time [s]", "speed [deg/s]", [*items[1], *SHADES]),
+        Panel("time [s]", "angle of a joint [deg]", [*items[0], *SHADES, *names]),
+        Panel("time [s]", "speed of a joint [deg/s]", [*items[1], *SHADES]),
     ]
 
 
@@ -38,14 +38,14 @@ def constants():
     one = dict(zip(lyapunov.Profile._fields, (1 + np.arange(7)[:, None] + T), strict=True))
     one = lyapunov.Profile(**{name: 1e4 * values for name, values in one.items()})
     panels = [
-        ("[kN m/rad]", {"max |dg/dq|": one.slope, "spectral norm": one.kg}, 1e3),
-        ("[1000 kg m²]", {"max |C|": one.symbol, "norm of C": one.kc1}, 1e3),
-        ("[1000 kg m²]", {"largest of M": one.lambda_max, "smallest of M": one.lambda_min}, 1e3),
-        ("[10⁶ kg m²]", {"largest² / smallest": one.ratio}, 1e6),
+        ("slope [kN m/rad]", {"max |dg/dq|": one.slope, "spectral norm": one.kg}, 1e3),
+        ("Coriolis [t m²]", {"max |C|": one.symbol, "norm of C": one.kc1}, 1e3),
+        ("inertia [t m²]", {"largest of M": one.lambda_max, "smallest": one.lambda_min}, 1e3),
+        ("ratio [1000 t m²]", {"largest² / smallest": one.ratio}, 1e6),
     ]
     return figures.arm_constants(T, one), [
         Panel(
-            "time [s]" if row > 1 else "",
+            "time [s]",
             label,
             [line(T, values / unit, name) for name, values in curves.items()],
             scales=("linear", "log" if row == 2 else "linear"),
@@ -68,7 +68,7 @@ def judged():
     names = [label.get_text() for label in fig.axes[0].get_yticklabels()]
     assert names == ["always", "fails", "holds"]
     xlabel = r"$\alpha$ [1/s]: above ▶ for the springs, below ◀ for the dampers"
-    return fig, [Panel(xlabel, "", items, scales=("log", "linear"))]
+    return fig, [Panel(xlabel, "gains and route", items, scales=("log", "linear"))]
 
 
 def bars(conditions):
@@ -78,7 +78,7 @@ def bars(conditions):
         text = f"{have:.3g} > {need:.3g}" if have > need else f"{have:.3g}, needs {need:.3g}"
         items += [box(0.0, row - 0.275, size, row + 0.275)]
         items += [words(text, (-0.06 if size > 0 else 0.06, row))]
-    return [Panel("what there is over what is needed [1]", "", items)]
+    return [Panel("what there is over what is needed [1]", "demand", items)]
 
 
 def margins():
@@ -102,7 +102,7 @@ def demands():
             "scalar": (kd.min(), min(scalar.alpha_low, 1e6) * arm.ratio),
             "matrix": (matrix.alpha_high, min(matrix.alpha_low, 1e6)),
             "drives": (1.0, (0.05 * kp / BACKHOE.torque_limit).max()),
-            "clock": (2000.0, rates.real.max()),
+            "clock": (200.0, rates.real.max()),
             "memory": (10.0, (kp / ki).max()),
         }
     )
@@ -129,8 +129,9 @@ def space():
             line(stiff, damp[2] * (k + 1) * np.ones(3), "too fast above"),
             track([(1.0, 0.2)], "tuned"),
         ]
-        ylabel = "" if k else "factor on $K_d$ [1]"
-        panels.append(Panel("factor on $K_p$ [1]", ylabel, items, title, ("log", "log")))
+        panels.append(
+            Panel("factor on $K_p$ [1]", "factor on $K_d$ [1]", items, title, ("log", "log"))
+        )
     certified, sampled = ([damp[i] * (k + 1) * np.ones(3) for k in (0, 1)] for i in (0, 2))
     marks = {"tuned": (1.0, 0.2)}
     fig = figures.gain_space(

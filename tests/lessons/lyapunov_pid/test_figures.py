@@ -35,9 +35,9 @@ def test_constants_are_shown_in_the_units_of_their_axes():
     slope, symbol, eigenvalues, ratio = figures.arm_constants(np.arange(len(q)), profile).axes
     assert np.allclose(labelled(slope)["spectral norm"] * 1e3, profile.kg)
     assert np.allclose(labelled(symbol)["max |C|"] * 1e3, profile.symbol)
-    assert np.allclose(labelled(eigenvalues)["smallest of M"] * 1e3, profile.lambda_min)
+    assert np.allclose(labelled(eigenvalues)["smallest"] * 1e3, profile.lambda_min)
     assert np.allclose(labelled(ratio)["largest² / smallest"] * 1e6, profile.ratio)
-    assert "1000 kg m²" in symbol.get_ylabel() and "10⁶ kg m²" in ratio.get_ylabel()
+    assert "[t m²]" in symbol.get_ylabel() and "[1000 t m²]" in ratio.get_ylabel()
 
 
 def test_certificates_show_an_interval_or_say_that_there_is_none(printed_gains):
@@ -64,7 +64,7 @@ def test_the_demands_on_the_printed_gains_are_those_of_the_lesson(printed_gains)
     widths = {bar.get_y() + bar.get_height() / 2: bar.get_width() for bar in ax.patches}
     holds = {names[round(row)] for row, width in widths.items() if width > 0}
     assert holds == {
-        "springs beat gravity (3.13)",
+        "springs beat gravity",
         "matrix: room for alpha",
         "drives: 0.05 rad fits",
     }

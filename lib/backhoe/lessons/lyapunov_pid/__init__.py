@@ -1,1 +1,1 @@
-"""Lesson 03, `03_lyapunov_pid`: its exercises, figures and printed formulas."""
+"""Lesson 03, its sittings `03a` to `03c`: exercises, figures, printed formulas and bounds."""

@@ -15,14 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from backhoe.arm import dynamics
 from backhoe.basics.inputs import number, numbers, positive
 from backhoe.machine import BACKHOE, JOINTS, Machine
-from backhoe.view.plots.style import BLUE, COLOURS, DARK, GREEN, GREY, KINDS, RED, figure, styled
+from backhoe.view.plots.style import GREEN, GREY, KINDS, RED, draw_lines, figure, styled
 
 if TYPE_CHECKING:
     from backhoe.arm.lyapunov import Certificate, Profile
     from backhoe.arm.movement import Movement
     from backhoe.arm.pid import Gains
 
-_JOINT_COLOURS = dict(zip(JOINTS, COLOURS, strict=False))
 _PHASE, _RAN_AWAY = "#f1f1f1", "#3a3a3a"
 _DECADES = 4
 _ROUTES = ("scalar", "matrix")
@@ -31,20 +30,22 @@ _MANY = 1e6
 
 @styled
 def joint_movement(movement: Movement, phases: Mapping[str, tuple[float, float]]) -> Figure:
-    """Angles and speeds of a movement, with its phases shaded in turn (Figs. 3.2 to 3.4).
+    """Angles and speeds of a movement, with its phases shaded in turn.
 
     Args:
         movement: the reference.
         phases: name -> its begin and end [s].
     """
     fig, axes = figure(6.8, 5.6, rows=2, sharex=True)
-    for ax, values in zip(axes, (movement.q, movement.dq), strict=True):
+    angles, speeds = (
+        dict(zip(JOINTS, np.degrees(values).T, strict=True)) for values in (movement.q, movement.dq)
+    )
+    for ax, curves in zip(axes, (angles, speeds), strict=True):
         _shade(ax, phases)
-        for name, angles in zip(JOINTS, np.degrees(values).T, strict=True):
-            ax.plot(movement.t, angles, color=_JOINT_COLOURS[name], label=name)
-    axes[1].plot(movement.t, np.degrees(movement.speed), **KINDS["truth"], label="norm")
-    axes[0].set_ylabel("angle [deg]")
-    axes[1].set(ylabel="speed [deg/s]", xlabel="time [s]")
+        draw_lines(ax, movement.t, curves)
+    axes[1].plot(movement.t, np.degrees(movement.speed), "-.", color=GREEN, label="norm")
+    axes[0].set(ylabel="angle of a joint [deg]", xlabel="time [s]")
+    axes[1].set(ylabel="speed of a joint [deg/s]", xlabel="time [s]")
     axes[1].legend(ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.24), columnspacing=1.2)
     top = axes[0].get_ylim()[1]
     for name, (begin, end) in phases.items():
@@ -54,9 +55,9 @@ def joint_movement(movement: Movement, phases: Mapping[str, tuple[float, float]]
 
 @styled
 def arm_constants(time: ArrayLike, profile: Profile) -> Figure:
-    """What the proof's constants come from, posture by posture (Figs. 3.5 to 3.8).
+    """What the proof's constants come from, posture by posture.
 
-    Solid coloured lines are what the thesis computes, dark ones the norms that count.
+    The first curve of a panel is an entry or an eigenvalue, the second the norm that counts.
 
     Args:
         time: shape (n,) [s].
@@ -64,19 +65,17 @@ def arm_constants(time: ArrayLike, profile: Profile) -> Figure:
     """
     fig, axes = figure(6.8, 5.6, rows=2, columns=2, sharex=True)
     panels = (
-        ("kN m/rad", {"max |dg/dq|": profile.slope, "spectral norm": profile.kg}),
-        ("1000 kg m²", {"max |C|": profile.symbol, "norm of C": profile.kc1}),
-        ("1000 kg m²", {"largest of M": profile.lambda_max, "smallest of M": profile.lambda_min}),
-        ("10⁶ kg m²", {"largest² / smallest": profile.ratio / 1e3}),
+        ("slope [kN m/rad]", {"max |dg/dq|": profile.slope, "spectral norm": profile.kg}),
+        ("Coriolis [t m²]", {"max |C|": profile.symbol, "norm of C": profile.kc1}),
+        ("inertia [t m²]", {"largest of M": profile.lambda_max, "smallest": profile.lambda_min}),
+        ("ratio [1000 t m²]", {"largest² / smallest": profile.ratio / 1e3}),
     )
-    lines = {"color": BLUE}, KINDS["truth"]
-    for ax, (unit, curves) in zip(axes.flat, panels, strict=True):
-        for (label, values), line in zip(curves.items(), lines, strict=False):
-            ax.plot(time, values / 1e3, label=label, **line)
-        ax.set(ylabel=f"[{unit}]", ylim=(0, 1.35 * ax.dataLim.y1))
+    for ax, (ylabel, curves) in zip(axes.flat, panels, strict=True):
+        draw_lines(ax, time, {label: values / 1e3 for label, values in curves.items()})
+        ax.set(ylabel=ylabel, ylim=(0, 1.35 * ax.dataLim.y1))
         ax.legend(loc="upper left", fontsize=9)
     axes[1, 0].set(yscale="log", ylim=(0.1, 2000))
-    for ax in axes[1]:
+    for ax in axes.flat:
         ax.set_xlabel("time [s]")
     return fig
 
@@ -103,13 +102,13 @@ def certificates(judged: Mapping[str, Certificate]) -> Figure:
             ends = sorted((low, high))
             style = {"lw": 9, "alpha": 0.85} if holds else {"lw": 2.5, "ls": ":"}
             ax.plot(ends, [row, row], color=colour, solid_capstyle="butt", **style)
-            ax.plot(low, row + 0.2, ">", color=DARK, ms=7, zorder=5)
-            ax.plot(high, row - 0.2, "<", color=DARK, ms=7, zorder=5)
+            ax.plot(low, row + 0.2, ">", color=GREY, ms=7, zorder=5)
+            ax.plot(high, row - 0.2, "<", color=GREY, ms=7, zorder=5)
         text = _verdict(certificate, holds)
         ax.text(1.02, row, text, transform=ax.get_yaxis_transform(), va="center", color=colour)
     ax.set(yticks=range(len(judged)), yticklabels=list(judged)[::-1], xscale="log")
     ax.set(xlabel=r"$\alpha$ [1/s]: above ▶ for the springs, below ◀ for the dampers")
-    ax.set_ylim(-0.6, len(judged) - 0.4)
+    ax.set(ylabel="gains and route", ylim=(-0.6, len(judged) - 0.4))
     return fig
 
 
@@ -141,9 +140,11 @@ def margins(conditions: Mapping[str, tuple[float, float]]) -> Figure:
         side = -np.sign(size) or 1.0
         text = f"{have:.3g} > {need:.3g}" if have > need else f"{have:.3g}, needs {need:.3g}"
         ax.text(0.06 * side, row, text, va="center", ha="left" if side > 0 else "right", size=9)
-    ax.axvline(0, color=DARK, lw=1.2)
+    ax.axvline(0, color=GREY, lw=1.2)
     ax.set(yticks=range(len(conditions)), yticklabels=list(conditions)[::-1])
-    ax.set(xlim=(-_DECADES, _DECADES), xlabel="what there is over what is needed [1]")
+    ax.set(
+        xlim=(-_DECADES, _DECADES), xlabel="what there is over what is needed [1]", ylabel="demand"
+    )
     ax.set_xticks(range(-_DECADES, _DECADES + 1, 2), ["1/10⁴", "1/100", "1", "100", "10⁴"])
     return fig
 
@@ -167,11 +168,11 @@ def gain_demands(gains: Gains, machine: Machine = BACKHOE) -> Figure:
     kp, ki, kd = (np.asarray(gain, dtype=float) for gain in gains)
     return margins(
         {
-            "springs beat gravity (3.13)": (kp.min(), arm.kg),
-            "scalar: dampers (3.30)": (kd.min(), min(scalar.alpha_low, _MANY) * arm.ratio),
+            "springs beat gravity": (kp.min(), arm.kg),
+            "scalar: dampers": (kd.min(), min(scalar.alpha_low, _MANY) * arm.ratio),
             "matrix: room for alpha": (matrix.alpha_high, min(matrix.alpha_low, _MANY)),
             "drives: 0.05 rad fits": (1.0, (0.05 * kp / machine.torque_limit).max()),
-            "clock: 1 kHz is enough": (2000.0, fastest),
+            "clock: 100 Hz is enough": (200.0, fastest),
             "memory: learns in 10 s": (10.0, (kp / ki).max()),
         }
     )
@@ -193,7 +194,7 @@ def joint_lines(
     phases: Mapping[str, tuple[float, float]] = {},
     **settings: object,
 ) -> Figure:
-    """One curve a joint over time, such as errors or torques (Figs. 3.10, 3.11).
+    """One curve a joint over time, such as errors or torques.
 
     Args:
         time: shape (n,) [s].
@@ -210,8 +211,7 @@ def joint_lines(
     values = numbers(values, "values", shape, meaning="a row of 4 joints for each time")
     fig, ax = figure(6.8, 3.6)
     _shade(ax, phases)
-    for name, curve in zip(JOINTS, values.T, strict=True):
-        ax.plot(time, curve, color=_JOINT_COLOURS[name], label=name, lw=1.5)
+    draw_lines(ax, time, dict(zip(JOINTS, values.T, strict=True)))
     if band is not None:
         for side in (-band, band):
             ax.axhline(side, **KINDS["reference"])
@@ -253,15 +253,15 @@ def gain_space(
     ]
     for k, (ax, title) in enumerate(zip(axes[0], titles, strict=True)):
         if len(certified):
-            ax.plot(stiffness, certified[k], color=DARK, lw=2.2, label="certified above")
+            ax.plot(stiffness, certified[k], color=RED, lw=2.2, label="certified above")
         if len(sampled):
             ax.plot(stiffness, sampled[k], color=RED, lw=2.2, ls="--", label="too fast above")
         for (label, point), marker in zip(marks.items(), "o*sD", strict=False):
-            ax.plot(*point, marker, color="white", mec=DARK, ms=10, label=label, ls="none")
+            ax.plot(*point, marker, color="white", mec=GREY, ms=10, label=label, ls="none")
         ax.set(title=title, xscale="log", yscale="log", xlabel="factor on $K_p$ [1]")
         ax.set(xlim=_edges(stiffness)[[0, -1]], ylim=_edges(damping)[[0, -1]])
         ax.grid(False)
-    axes[0, 0].set_ylabel("factor on $K_d$ [1]")
+        ax.set_ylabel("factor on $K_d$ [1]", visible=k == 0)
     fig.colorbar(drawn[-1], ax=axes[0], label="rms error [deg]", extend="max")
     handles, _ = axes[0, 0].get_legend_handles_labels()
     handles.append(Patch(color=_RAN_AWAY, label="ran away"))

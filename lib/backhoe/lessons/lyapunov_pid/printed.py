@@ -1,7 +1,7 @@
 """The thesis's stability analysis where its print is wrong: (3.5) to (3.34), (A.8). Not for use.
 
-Lesson 03 tries each on random states; `backhoe.arm.lyapunov` has what holds. `constants` are those
-of `lyapunov.constants`, or the printed numbers put in their place.
+The appendix of lesson 03 tries each on random states; `backhoe.arm.lyapunov` has what holds.
+`constants` are those of `lyapunov.constants`, or the printed numbers put in their place.
 
 Reference: Mastalli 2013, sections 3.1, 3.2, 3.4.1 and Appendix A.1.
 """

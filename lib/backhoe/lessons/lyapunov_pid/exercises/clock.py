@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from backhoe.arm.dynamics import mass_matrix
 from backhoe.arm.lyapunov import effective_inertia
@@ -18,15 +18,17 @@ def clock_limit(q: ArrayLike, kd: ArrayLike, dt: float) -> float:
     return 2 / (dt * rates.real.max())
 
 
+def _lightness(q: ArrayLike) -> NDArray:
+    return np.linalg.inv(mass_matrix(q))
+
+
 def _cases(rng: np.random.Generator) -> list[tuple]:
-    return [
-        (
-            rng.uniform(BACKHOE.lower, BACKHOE.upper),
-            rng.uniform((5e5, 4e5, 1e5, 2e4), (2e6, 1e6, 8e5, 4e5)),
-            float(rng.uniform(5e-4, 1e-2)),
-        )
-        for _ in range(30)
-    ]
+    """Gains as they are usual, and such that each joint in turn may be the first to be too fast."""
+    q = rng.uniform(BACKHOE.lower, BACKHOE.upper, (30, 4))
+    kd = rng.uniform((5e5, 4e5, 1e5, 2e4), (2e6, 1e6, 8e5, 4e5), (30, 4))
+    kd[15:] = effective_inertia(q[15:]) * rng.uniform(100, 2000, (15, 4))
+    kd[15:20, 0] *= 20.0
+    return list(zip(q, kd, rng.uniform(5e-4, 1e-2, 30).tolist(), strict=True))
 
 
 CLOCK = Exercise(
@@ -52,6 +54,15 @@ CLOCK = Exercise(
         ),
         "that is safe but too strict: the lightest motion does not have the largest damper": (
             lambda q, kd, dt: clock_limit(q, np.full(4, kd.max()), dt)
+        ),
+        "eigvalsh takes M^-1 K_d for symmetric, which it is not: eigvals, or make it symmetric": (
+            lambda q, kd, dt: 2 / dt / np.linalg.eigvalsh(_lightness(q) * kd).max()
+        ),
+        "eigvalsh takes K_d M^-1 for symmetric, which it is not: eigvals, or make it symmetric": (
+            lambda q, kd, dt: 2 / dt / np.linalg.eigvalsh(kd[:, None] * _lightness(q)).max()
+        ),
+        "that is the largest stretch of M^-1 K_d; what grows from step to step is an eigenvalue": (
+            lambda q, kd, dt: 2 / dt / np.linalg.norm(_lightness(q) * kd, 2)
         ),
         "that is the last eigenvalue to become unstable, not the first": (
             lambda q, kd, dt: 2 / dt * np.linalg.eigvals(mass_matrix(q) / kd).real.max()

@@ -29,11 +29,11 @@ GRAVITY_CONSTANT = Exercise(
     rtol=1e-4,
     tested_on="20 sets of 20 postures",
     hints=(
-        "(A.13) for neighbours: ||dg|| <= k_g ||dq||. By how much can the matrix dg/dq stretch?",
+        "for neighbours ||dg|| <= k_g ||dq||: by how much can the matrix dg/dq stretch?",
         "np.linalg.norm(dg_dq, 2) of each posture (its largest singular value), then the maximum",
     ),
     mistakes={
-        "that is the printed recipe n max|dg_i/dq_j|: it holds, but it is not the smallest": (
+        "that is 4 times the largest entry: it holds, but it is not the smallest that does": (
             lambda postures: 4 * np.abs(gravity_slope(postures)).max()
         ),
         "the largest entry is too small: a matrix can stretch a vector by more than that": (
@@ -48,10 +48,16 @@ GRAVITY_CONSTANT = Exercise(
         "a bound holds in every posture: the maximum over the postures, not their mean": (
             lambda postures: np.linalg.norm(gravity_slope(postures), 2, axis=(-2, -1)).mean()
         ),
+        "that is the least demanding posture's: a bound that holds in all needs the maximum": (
+            lambda postures: np.linalg.norm(gravity_slope(postures), 2, axis=(-2, -1)).min()
+        ),
+        "that is the smallest stretch: of the singular values take the largest": (
+            lambda postures: np.linalg.svd(gravity_slope(postures), compute_uv=False).min()
+        ),
         "that is the constant of the first posture alone": (
             lambda postures: gravity_constant(postures[:1])
         ),
-        "that is the largest gravity torque, k' of (A.14): k_g bounds how fast it changes": (
+        "that is the largest gravity torque: k_g bounds how fast it changes": (
             lambda postures: np.linalg.norm(dynamics.gravity_torque(postures), axis=-1).max()
         ),
         "that is per degree: give it per radian": (
@@ -121,19 +127,19 @@ CERTIFICATE = Exercise(
         "k_g is missing: gravity works against the springs, lambda_min(K_p) - k_g is left": (
             lambda gains, kg, *others: certificate(gains, 0.0, *others)
         ),
-        "(3.17) has lambda_max(M) squared: test the units, alpha is 1/s": (
+        "the highest alpha has lambda_max(M) squared: test the units, alpha is 1/s": (
             _with(1, lambda right, gains, kg, kc1, least, most: right * most)
         ),
-        "the upper bound has K_d: K_p there is the slip of (3.23), and the units do not fit": (
+        "the highest alpha has K_d: with K_p the units do not fit": (
             _with(1, lambda right, gains, *_: right * gains.kp.min() / gains.kd.min())
         ),
-        "that is the sharper bound of section 7; (3.17) also has lambda_min(M)/lambda_max(M)": (
+        "that is the sharper bound by Schur; asked is the one with lambda_min(M)/lambda_max(M)": (
             _with(1, lambda right, gains, kg, kc1, least, most: right * most / least)
         ),
         "k_C1 is missing in the third number: kg m^2 over kg m^2 gives radians": (
             _with(2, lambda right, gains, kg, kc1, least, most: right * kc1)
         ),
-        "lambda_max(M) is missing in the third number: the thesis had next to none of it, too": (
+        "lambda_max(M) is missing in the third number: it is what the damper has to stop": (
             _with(2, lambda right, gains, kg, kc1, least, most: right + most / kc1)
         ),
         "the bound is widest at the lowest alpha: put that one in": (

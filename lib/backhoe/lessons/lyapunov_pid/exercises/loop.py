@@ -25,7 +25,9 @@ def integral_at_rest(q_goal: ArrayLike, ki: ArrayLike) -> NDArray:
 
 
 def _goals(rng: np.random.Generator) -> list[tuple]:
+    """Within the joints' limits, and beyond them, where the boom's weight pulls the other way."""
     goals = rng.uniform(BACKHOE.lower, BACKHOE.upper, (50, 4))
+    goals[25:] = rng.uniform(-np.pi, np.pi, (25, 4))
     return list(zip(goals, rng.uniform(1e4, 1e6, (50, 4)), strict=True))
 
 
@@ -81,7 +83,7 @@ def _states(rng: np.random.Generator) -> list[tuple]:
 
 
 def _pushed(torque: Term) -> Callable:
-    """(3.7) with an extra torque, shape (4,) [N m]."""
+    """The closed loop with an extra torque, shape (4,) [N m]."""
 
     def rate(state: State, gains: Gains, alpha: float) -> tuple:
         dw, derror, ddq = lyapunov.closed_loop_rate(state, gains, alpha)
@@ -115,10 +117,10 @@ RATE = Exercise(
     tested_on="40 random states and gains",
     hints=(
         "the posture is q = goal - error, and the goal stands still: what is the error's rate?",
-        "K_d acts on the error's rate, which is -dq; the other terms are right as printed",
+        "K_d acts on the error's rate, which is -dq; the other terms are right as they stand",
     ),
     mistakes={
-        "that is (3.7) as printed: + K_d dq pushes the arm the way it is moving already": (
+        "the sign of the damping: + K_d dq pushes the arm the way it is moving already": (
             printed.closed_loop_rate_37
         ),
         (
@@ -182,7 +184,7 @@ FUNCTION = Exercise(
         "the cross term stands twice in the matrix: with the 1/2 in front it is - alpha e^T M dq",
     ),
     mistakes={
-        "the cross term: with dq (not the error's rate, as printed) it is - alpha e^T M dq": (
+        "the sign of the cross term: with dq, not the error's rate, it is - alpha e^T M dq": (
             printed.function_38
         ),
         "the cross term stands twice in the matrix, above and below the diagonal": (

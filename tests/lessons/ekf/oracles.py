@@ -139,10 +139,6 @@ EQUAL = {
     "7.8": {
         f"{name}: counted from its first sample": "both clocks start at 0"
         for name in ("time", "time_e")
-    }
-    | {
-        f"time[{k}]: that of the first case": "the first two samples are asked for the same instant"
-        for k in (0, 1)
     },
 }
 """Mutants of references that are right all the same, and why."""

@@ -95,3 +95,13 @@ def belts_that_do_not_slip(answer, heading):
         for side, belt in ((-1, right), (1, left)):
             rate = np.array([dx, dy]) - dpsi * side * BACKHOE.tracks.gauge / 2 * ahead
             np.testing.assert_allclose(rate, belt * ahead, atol=1e-12)
+
+
+EQUAL = {
+    "1.4": {"link is never negative": "the number of a link"},
+    "1.7": {
+        "J[3] is never negative": "the row of the pitch: each joint turns it by 0 or 1",
+        "the result at [3] is never negative": "its share in the inverse of such a Jacobian",
+    },
+}
+"""Mutants that are the reference in disguise, with the reason."""

@@ -141,3 +141,23 @@ def the_same_is_left_after_many_samples(answer, k, T0, new_T0):
     for _ in range(ratio.denominator):
         left[1] *= 1 - answer
     assert_allclose(left[1], left[0], rtol=1e-9, atol=1e-12)
+
+
+EQUAL = {
+    "5.5": {"dt is never negative": "a time step"},
+    "5.6": {
+        "dt is never negative": "a time step",
+        "kv2 is never negative": "a gain, and the other sign drives away",
+        "kw2 is never negative": "a gain, and the other sign drives away",
+    },
+    "5.7": {
+        "the result at [0] is never negative": "a speed, and it drives forward",
+        "lookahead is never negative": "a distance",
+        "speed is never negative": "it drives forward",
+    },
+    "5.9": dict.fromkeys(
+        [f"{name} is never negative" for name in ("T0", "k", "new_T0", "the result")],
+        "sample times and gains",
+    ),
+}
+"""Mutants that are the reference in disguise, with the reason."""

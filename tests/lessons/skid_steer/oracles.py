@@ -128,3 +128,14 @@ def two_linear_programmes(answer, u_v, u_omega, limit):
 
     turn = nearest(1)
     assert_allclose(answer, [nearest(0, turn), turn], rtol=1e-7, atol=1e-7 * limit)
+
+
+EQUAL = {
+    "4.3": {"the result is never negative": "half of a width"},
+    "4.4": {"vehicle.gravity: that of the first case": "all of them stand on the Earth"},
+    "4.5": {
+        "load is never negative": "an inertia",
+        "h is never negative": "a time step",
+    },
+}
+"""Mutants that are the reference in disguise, with the reason."""

@@ -38,3 +38,12 @@ def busiest_joint_at_its_share(answer, q_way, share):
     used = np.abs(np.diff(q_way, axis=0)) / answer[:, None]
     speeds = [joint.speed for joint in BACKHOE.joints]
     np.testing.assert_allclose((used / speeds).max(axis=1), np.full(len(q_way) - 1, share))
+
+
+EQUAL = {
+    "0.5": {
+        "the result is never negative": "durations",
+        "share is never negative": "a share of a limit",
+    },
+}
+"""Mutants that are the reference in disguise, with the reason."""

@@ -168,6 +168,17 @@ def test_an_axis_of_words_has_names_in_place_of_a_quantity():
     assert "names -0.05 to 1.1" in told(fig)
 
 
+def test_a_photograph_is_not_drawn_sharper_than_it_is():
+    widths = []
+    for rows in (400, 800):
+        fig, ax = style.figure()
+        ax.imshow(np.zeros((rows, 500)))
+        data, about = style.bundle(fig, "grey")
+        assert about["image/png"]["width"] == 816
+        widths.append(imread(BytesIO(data["image/png"])).shape[1])
+    assert widths == [1360, 816]
+
+
 def test_an_empty_figure_and_empty_curves_are_told_too():
     fig, ax = style.figure()
     ax.axis("off")

@@ -33,6 +33,9 @@ GROUND, STEEL = "#b08d66", "#8a8f94"
 SHARP, QUICK = 200, 120
 """Dots per inch of a figure in a notebook, and of one that moves with a slider."""
 
+MANY = 300_000
+"""Details, pixels or hundredths of a face, from which on a figure is drawn at `QUICK`."""
+
 GRAMMAR = {
     "joints": {
         "swing": (PURPLE, "s"),
@@ -160,14 +163,19 @@ def png(fig: Figure, dpi: float = SHARP) -> bytes:
         edge = Stroke(linewidth=curve.get_linewidth() + 1.6, foreground="white")
         curve.set_path_effects([edge, Normal()])
     file = BytesIO()
-    fig.savefig(file, format="png", dpi=dpi, metadata={"Software": None})
+    smaller = {"optimize": dpi <= QUICK}  # what is drawn so has many details
+    fig.savefig(file, format="png", dpi=dpi, metadata={"Software": None}, pil_kwargs=smaller)
     return file.getvalue()
 
 
-def bundle(fig: Figure, alt: str, dpi: float = SHARP) -> tuple[dict[str, Any], dict[str, Any]]:
+def bundle(
+    fig: Figure, alt: str, dpi: float | None = None
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """What a notebook stores of the figure: its data and metadata, with `alt` in both.
 
-    Behind `alt`, which says what the figure means, comes what is drawn, as `told` reads it.
+    Behind `alt`, which says what the figure means, comes what is drawn, as `told` reads it. A
+    figure of photographs or of thousands of faces is not drawn sharper than `QUICK`: its file would
+    be megabytes.
 
     Raises:
         ValueError: `alt` is empty, so a reader without the picture would have nothing.
@@ -176,7 +184,15 @@ def bundle(fig: Figure, alt: str, dpi: float = SHARP) -> tuple[dict[str, Any], d
         raise ValueError("a figure needs a text alternative: say in `alt` what it shows")
     text = f"{' '.join(alt.split())}\n{told(fig)}".strip()
     about = {"alt": text, "width": round(fig.get_figwidth() * QUICK)}
-    return {"image/png": png(fig, dpi), "text/plain": text}, {"image/png": about}
+    picture = png(fig, dpi or (QUICK if _details(fig) > MANY else SHARP))
+    return {"image/png": picture, "text/plain": text}, {"image/png": about}
+
+
+def _details(fig: Figure) -> int:
+    """Pixels of its photographs, and a hundred for each face of its solids."""
+    pixels = sum(np.prod(image.get_size()) for ax in fig.axes for image in ax.images)
+    faces = sum(len(group.get_paths()) for ax in fig.axes for group in ax.collections)
+    return int(pixels + 100 * faces)
 
 
 def show(fig: Figure, alt: str) -> None:

@@ -12,7 +12,7 @@ from backhoe.mission.design import SlopeDesign, TrenchDesign
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
 from backhoe.mission.holding import HoldRun, HoldScore, hold
-from backhoe.mission.lifting import LiftRun, lift
+from backhoe.mission.lifting import LiftRun, LiftScore, lift
 from backhoe.mission.loading import Run, run
 from backhoe.mission.orders import OrderRun, OrderScore, obey
 from backhoe.mission.parts import (
@@ -29,7 +29,7 @@ from backhoe.mission.parts import (
 )
 from backhoe.mission.recorded import drive_the_machine
 from backhoe.mission.route import default_route
-from backhoe.mission.score import DriveScore, LiftScore, Score, SurveyScore, score
+from backhoe.mission.score import DriveScore, Score, SurveyScore, score
 from backhoe.mission.surface import SurfaceScore
 from backhoe.mission.surveying import SurveyRun, survey
 

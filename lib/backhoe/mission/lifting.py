@@ -8,8 +8,8 @@ only when it is bent: the error is the model's. The base is fixed, and there is 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from backhoe.machine.variants import loaded
 from backhoe.mission.calls import call_part, given_parts
 from backhoe.mission.parts import LIFT_PARTS
 from backhoe.mission.records import Record, recorder_of
+from backhoe.mission.table import table
 
 SPRING, DAMPER = 1.2e6, 2.4e5
 """Of every joint [N m/rad, N m s/rad]."""
@@ -41,6 +42,27 @@ class LiftRun(Record):
     q_ref: NDArray
     at_rest: NDArray
     SHOWN = ("mission.lift", "A tonne in the air", "3D replay of the arm that carries a load")
+
+
+@dataclass(frozen=True)
+class LiftScore:
+    """A load in the air in two numbers, beside the reference run.
+
+    The root mean square of q_ref - q over the joints [rad]: `moving` on the way,
+    `resting` in the postures between, where only weights are left.
+    """
+
+    moving: float
+    resting: float
+    swapped: tuple[str, ...] = ()
+    reference: LiftScore | None = None
+
+    def __str__(self) -> str:
+        rows = [
+            ("error on the way [deg]", "{:.3f}", lambda score: np.degrees(score.moving)),
+            ("error at rest [deg]", "{:.3f}", lambda score: np.degrees(score.resting)),
+        ]
+        return table(self, rows)
 
 
 def lift(
@@ -112,6 +134,24 @@ def lift(
         q_ref=q_ref,
         at_rest=(time - 1e-9) % (MOVE + REST) > MOVE + REST - STILL,
     )
+
+
+def scored(run: LiftRun) -> LiftScore:
+    """The score of a run, beside the library's where a part was swapped in."""
+    if not run.swapped:
+        return _measure(run)
+    return replace(_measure(run), reference=_reference(run.load, run.machine, run.backend))
+
+
+@lru_cache(maxsize=4)
+def _reference(load: float, machine: Machine, backend: str) -> LiftScore:
+    return _measure(lift(load=load, machine=machine, backend=backend))
+
+
+def _measure(run: LiftRun) -> LiftScore:
+    off = (run.q_ref - run.q) ** 2
+    moving, resting = (np.sqrt(off[some].mean()) for some in (~run.at_rest, run.at_rest))
+    return LiftScore(moving=float(moving), resting=float(resting), swapped=run.swapped)
 
 
 def _way(dt: float) -> tuple[NDArray, NDArray, NDArray, NDArray]:

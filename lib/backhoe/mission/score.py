@@ -17,7 +17,8 @@ from backhoe.mission.calls import LIBRARY
 from backhoe.mission.driving import DriveRun, drive
 from backhoe.mission.grading import GradingRun, grade
 from backhoe.mission.holding import HoldRun, HoldScore, measure
-from backhoe.mission.lifting import LiftRun, lift
+from backhoe.mission.lifting import LiftRun, LiftScore
+from backhoe.mission.lifting import scored as scored_lift
 from backhoe.mission.loading import Run, run
 from backhoe.mission.orders import OrderRun, OrderScore
 from backhoe.mission.orders import scored as scored_orders
@@ -141,27 +142,6 @@ _CLAIMS = [
     ("NEES, 3 if honest [1]", "{}", lambda score: _if_any(score.nees, ".2g")),
     ("NIS, 2 if honest [1]", "{}", lambda score: _if_any(score.nis, ".2g")),
 ]
-
-
-@dataclass(frozen=True)
-class LiftScore:
-    """A load in the air in two numbers, beside the reference run.
-
-    The root mean square of q_ref - q over boom, stick and bucket [rad]: `moving` on the way,
-    `resting` in the postures between, where only weights are left.
-    """
-
-    moving: float
-    resting: float
-    swapped: tuple[str, ...] = ()
-    reference: LiftScore | None = None
-
-    def __str__(self) -> str:
-        rows = [
-            ("error on the way [deg]", "{:.2f}", lambda score: np.degrees(score.moving)),
-            ("error at rest [deg]", "{:.2f}", lambda score: np.degrees(score.resting)),
-        ]
-        return table(self, rows)
 
 
 @dataclass(frozen=True)
@@ -308,17 +288,6 @@ def _score_drive(run: DriveRun) -> DriveScore:
     return replace(measured, reference=reference)
 
 
-def _measure_lift(run: LiftRun) -> LiftScore:
-    off = (run.q_ref - run.q) ** 2
-    moving, resting = (np.sqrt(off[some].mean()) for some in (~run.at_rest, run.at_rest))
-    return LiftScore(moving=float(moving), resting=float(resting), swapped=run.swapped)
-
-
-@lru_cache(maxsize=4)
-def _reference_lift(**settings: object) -> LiftScore:
-    return _measure_lift(lift(**settings))
-
-
 def _measure_survey(run: SurveyRun) -> SurveyScore:
     ends = [0, -1]
     stereo, lasers = run.heap["stereo"][ends], run.heap["lasers"][ends]
@@ -404,9 +373,7 @@ def score(
     if isinstance(run, AutonomyRun | OrderRun):
         return scored(run) if isinstance(run, AutonomyRun) else scored_orders(run)
     if isinstance(run, LiftRun):
-        settings = {name: getattr(run, name) for name in ("load", "machine", "backend")}
-        reference = _reference_lift(**settings) if run.swapped else None
-        return replace(_measure_lift(run), reference=reference)
+        return scored_lift(run)
     if isinstance(run, HoldRun):
         return measure(run)
     if isinstance(run, GradingRun):

@@ -146,10 +146,10 @@ class OrderScore:
     """Obedience in nine numbers, beside the library's.
 
     `speed` and `turn` the root mean squares of what the machine drove off its orders [m/s, rad/s],
-    `heading` how far off it points at most [rad], `stands` the longest time from the order to
-    stop until it does [s], `turns_on` the farthest that it turns meanwhile [rad], `push` the root
-    mean square of the tracks' forces [N], `beyond` the share of samples in which more was asked for
-    than the drives have [1], `margin` and `margin_time` as in `Score`.
+    `heading` how far off it points at most [rad], `stands` the longest time from the order to stop
+    until it does, or until the next order [s], `turns_on` the farthest that it turns meanwhile
+    [rad], `push` the root mean square of the tracks' forces [N], `beyond` the share of samples in
+    which more was asked for than the drives have [1], `margin` and `margin_time` as in `Score`.
     """
 
     speed: float

@@ -34,7 +34,7 @@ def slipped():
                 items += [track(way), arrow(*way)]
             items.append(track([centre, (x, y)]))
         items.append(track([centre], "centre of rotation"))
-        panels.append(Panel(X, "" if panels else Y, items, title))
+        panels.append(Panel(X, Y, items, title))
     fig = figures.contacts({"turn": TURN, "spin": SPIN}, HUSKY, {"spin": (-0.5, 0.4)})
     named = [text.get_text() for text in fig.legends[0].get_texts()]
     assert named == ["rolls", "slips", "moves over the ground", "centre of rotation"]

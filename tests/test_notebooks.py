@@ -19,6 +19,7 @@ import pytest
 
 import notebook_outputs
 from backhoe.view.plots import style
+from backhoe.view.plots.told import told
 from backhoe.view.replay.recording import HEIGHT_STEP, HeightField, Recording
 from backhoe.view.replay.recording_file import encode
 
@@ -174,6 +175,9 @@ def _stored(draw, volume="2.34", alt="a curve that waves", pictures=None, page=s
         draw["pictures"] = [style.png(draw[name]()) for name in ("waves", "bars")]
     pictures = [*(pictures or ()), *draw["pictures"][len(pictures or ()) :]]
     texts = alt, "three bars beside it"
+    texts = (
+        f"{text}\n{told(draw[name]())}" for text, name in zip(texts, ("waves", "bars"), strict=True)
+    )
     data = [{"image/png": p, "text/plain": t} for p, t in zip(pictures, texts, strict=True)]
     replay = draw["digs"](**shown)
     html = {"text/html": page(replay._repr_html_()), "text/plain": repr(replay)}
@@ -205,38 +209,41 @@ def test_nbval_notices_changed_texts_pictures_and_recordings(tmp_path):
     exec(TRIAL, draw)
     wave, bar = style.png(draw["waves"]()), style.png(draw["bars"]())
     same = BytesIO()
-    draw["waves"]().savefig(same, format="png", metadata={"Software": "another one"})
+    draw["waves"]().savefig(same, format="png", dpi=style.SHARP, metadata={"Software": "another"})
 
-    def told(**changes):
+    def with_outputs(**changes):
         return _stored(draw, **changes)
 
     def first(**changes):
-        return told(pictures=[style.png(draw["waves"](**changes))])
+        return with_outputs(pictures=[style.png(draw["waves"](**changes))])
 
     cells = {
         "the functions": (nbformat.v4.new_code_cell(TRIAL, execution_count=1), "PASSED"),
-        "as shown": (told(), "PASSED"),
-        "another number": (told(volume="2.35"), "FAILED"),
-        "another text alternative": (told(alt="a line"), "FAILED"),
-        "another file of the same picture": (told(pictures=[same.getvalue()]), "PASSED"),
-        "blank": (told(pictures=[wave, style.png(draw["bars"](there=False))]), "FAILED"),
-        "swapped": (told(pictures=[bar, wave]), "FAILED"),
-        "one removed": (told(pictures=[wave, None]), "FAILED"),
-        "broken": (told(pictures=[wave[:200]]), "FAILED"),
+        "as shown": (with_outputs(), "PASSED"),
+        "another number": (with_outputs(volume="2.35"), "FAILED"),
+        "another text alternative": (with_outputs(alt="a line"), "FAILED"),
+        "another file of the same picture": (with_outputs(pictures=[same.getvalue()]), "PASSED"),
+        "blank": (with_outputs(pictures=[wave, style.png(draw["bars"](there=False))]), "FAILED"),
+        "swapped": (with_outputs(pictures=[bar, wave]), "FAILED"),
+        "one removed": (with_outputs(pictures=[wave, None]), "FAILED"),
+        "broken": (with_outputs(pictures=[wave[:200]]), "FAILED"),
         "moved by half a per cent": (first(shift=0.005), "FAILED"),
         "another colour": (first(colour=style.COLOURS[1]), "FAILED"),
         "another size": (first(height=1.6), "FAILED"),
-        "another title": (told(title="dump"), "FAILED"),
-        "one step": (told(steps=1), "PASSED"),
-        "three steps": (told(steps=3), "FAILED"),
-        "frames dropped": (told(frames=15), "FAILED"),
+        "another title": (with_outputs(title="dump"), "FAILED"),
+        "one step": (with_outputs(steps=1), "PASSED"),
+        "three steps": (with_outputs(steps=3), "FAILED"),
+        "frames dropped": (with_outputs(frames=15), "FAILED"),
         "another compression": (
-            told(page=_recording(lambda data: gzip.compress(gzip.decompress(data), 1))),
+            with_outputs(page=_recording(lambda data: gzip.compress(gzip.decompress(data), 1))),
             "PASSED",
         ),
-        "broken recording": (told(page=_recording(lambda data: data[:50])), "FAILED"),
-        "another page": (told(page=lambda html: html.replace("WebGL 2", "WebGL 1")), "FAILED"),
-        "no replay": (told(page=lambda html: re.sub('srcdoc="[^"]*"', "", html)), "FAILED"),
+        "broken recording": (with_outputs(page=_recording(lambda data: data[:50])), "FAILED"),
+        "another page": (
+            with_outputs(page=lambda html: html.replace("WebGL 2", "WebGL 1")),
+            "FAILED",
+        ),
+        "no replay": (with_outputs(page=lambda html: re.sub('srcdoc="[^"]*"', "", html)), "FAILED"),
     }
     path = tmp_path / "trial.ipynb"
     nbformat.write(nbformat.v4.new_notebook(cells=[cell for cell, _ in cells.values()]), path)

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 
+from backhoe.basics import inputs
 from backhoe.course.workspace import RECORD
 
 __all__ = ["FILE", "Checked", "Passed", "copy_around", "passed", "recall", "remember"]
@@ -29,8 +30,9 @@ class Checked:
     when: str
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.exercise, str) and isinstance(self.right, bool)):
-            raise ValueError(f"no check: {self.exercise!r}, {self.right!r}")
+        if not isinstance(self.exercise, str):
+            raise ValueError(f"an exercise is text, got {self.exercise!r}")
+        inputs.flag(self.right, "right")
         datetime.fromisoformat(self.when)
 
     @classmethod

@@ -1,7 +1,10 @@
 """The parts of one autonomous backhoe, floor by floor.
 
-Nothing is imported here: `from backhoe.arm import kinematics` loads what it names and no more.
+Nothing is imported here: `from backhoe.arm import kinematics` loads what it names and no more. In
+a notebook, cells that take long say so from the first import on.
 """
+
+import sys
 
 __version__ = "0.1.0"
 
@@ -23,3 +26,8 @@ FLOORS = {
 """The folders of this package, lowest first, and the question of each: a floor imports only those
 before it. Lessons open with a picture of the machine's own; perception and planning come with
 lessons 08 to 11."""
+
+if "ipykernel" in sys.modules:
+    from backhoe.basics.progress import watch_cells
+
+    watch_cells()

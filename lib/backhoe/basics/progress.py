@@ -11,7 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 __all__ = ["progress_bar", "watch_cells"]
 
@@ -87,8 +87,10 @@ class _Watch:
         self.end()
         if self._shell.kernel.get_parent("shell").get("content", {}).get("allow_stdin"):
             self._done = threading.Event()
-            self._clock = threading.Thread(target=self._run, args=(self._done,), daemon=True)
-            self._clock.start()
+            clock = threading.Thread(target=self._run, args=(self._done,), daemon=True)
+            with suppress(RuntimeError):  # where no thread can start, a cell works in silence
+                clock.start()
+                self._clock = clock
 
     def end(self, result: object = None) -> None:
         """The cell is done: wait until its line is empty."""

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+from docutils import nodes
 from myst_nb.core.render import NbElementRenderer
 
 from backhoe.course.folding import fold
@@ -69,7 +70,16 @@ def _with_replay(app, name, source):
     source[0] = source[0].replace(ALONE, replay)
 
 
+def _keep_numbers(app, doctree):
+    """Sphinx wraps formulas of several lines in `split`, where MathJax refuses their number."""
+    for formula in doctree.findall(nodes.math_block):
+        if r"\tag" in formula.astext():
+            formula.children = [nodes.Text(rf"\[{formula.astext()}\]")]
+            formula["nowrap"] = formula["no-wrap"] = True
+
+
 def setup(app):
     NbElementRenderer.render_image = _render_image_with_text
     app.connect("source-read", _with_replay)
+    app.connect("doctree-read", _keep_numbers)
     app.connect("doctree-read", fold)

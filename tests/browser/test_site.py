@@ -147,3 +147,11 @@ def test_replay_plays(visit):
             return
         page.wait_for_timeout(100)
     pytest.fail(f"the replay's time stays at {after} s after Play")
+
+
+def test_figures_stand_on_the_dark_page_without_a_white_slab(visit):
+    page = visit("02a_gravity.html", color_scheme="dark")
+    backgrounds = page.locator(".cell_output img").evaluate_all(
+        "all => all.map(image => getComputedStyle(image).backgroundColor)"
+    )
+    assert set(backgrounds) == {"rgba(0, 0, 0, 0)"}

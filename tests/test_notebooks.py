@@ -255,7 +255,7 @@ def test_nbval_notices_changed_texts_pictures_and_recordings(tmp_path):
     }
     found = {name: results.get(number) for number, name in enumerate(cells)}
     assert found == {name: expected for name, (_, expected) in cells.items()}, done.stdout
-    assert "output 1: the picture was 300 x 192 pixels, now 300 x 180" in done.stdout
+    assert "output 1: the picture was 500 x 320 pixels, now 500 x 300" in done.stdout
     assert "nodes 3 values: by 3 steps" in done.stdout
 
 

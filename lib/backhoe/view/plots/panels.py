@@ -18,7 +18,7 @@ def joint_tracking(time: ArrayLike, q: ArrayLike, q_ref: ArrayLike) -> Figure:
         time: shape (n,) [s].
         q, q_ref: measured and wanted joint angles, shape (n, 4) [rad].
     """
-    fig, axes = figure(6.8, 6.4, rows=4, sharex=True)
+    fig, axes = figure(6.8, 5.4, rows=4, sharex=True)
     panels = zip(axes, JOINTS, np.degrees(q).T, np.degrees(q_ref).T, strict=True)
     for ax, name, angle, wanted in panels:
         ax.plot(time, angle, color=LOOKS[name][0], label="measured")

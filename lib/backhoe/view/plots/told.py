@@ -49,10 +49,11 @@ def _panel(ax: Axes) -> Iterator[str]:
 
 
 def _name(ax: Axes, side: str) -> str:
-    """The label of an axis, or that of another panel that shares it; "names" of a list of words."""
-    shared = [ax, *getattr(ax, f"get_shared_{side}_axes")().get_siblings(ax)]
+    """The label of an axis, or that of a panel with the same limits; "names" of a list of words."""
+    limits = getattr(ax, f"get_{side}lim")()
+    alike = [ax, *(one for one in ax.figure.axes if getattr(one, f"get_{side}lim")() == limits)]
     words = isinstance(getattr(ax, f"{side}axis").get_major_formatter(), FORMATS)
-    labels = (getattr(one, f"get_{side}label")() for one in shared)
+    labels = (getattr(one, f"get_{side}label")() for one in alike)
     return next(filter(None, labels), "names" if words else "")
 
 

@@ -110,6 +110,10 @@ def each_window_is_its_partner_but_for_the_light(answer, left, right):
 
 
 EQUAL = {
+    "8.8": {
+        "the result: whole numbers": "a matcher is asked to be within a pixel",
+        "the result: rolled along the first axis": "the next row is mostly within a pixel",
+    },
     "8.1": {"the result is never negative": "a pixel of the picture, counted from its corner"},
     "8.2": {"pixel[0] is never negative": "a pixel of the picture, counted from its corner"},
     "8.3": {"left is never negative": "a pixel of the picture, counted from its corner"},

@@ -208,8 +208,9 @@ def clouds(
     fig, ax = figure(6.8, 4.6)
     ax.plot(*points.T, ".", color=LOOKS["particles"][0], ms=3, alpha=0.35, label=label)
     for (name, (mean, P)), look in zip(ellipses.items(), looks(ellipses), strict=True):
-        mean, mark = np.asarray(mean)[:2], look.get("marker", "o")
-        _ellipse(ax, mean, np.asarray(P), look["color"], 2.2)
+        mean, P = (np.round(array, 9) + 0.0 for array in (mean, P))  # a mark snaps to a pixel
+        mean, mark = mean[:2], look.get("marker", "o")
+        _ellipse(ax, mean, P, look["color"], 2.2)
         ax.plot(*mean, mark, color=look["color"], mec="white", ms=9, label=f"{name}, 95 %")
     ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal", title=title)
     fig.legend(loc="outside lower center", ncols=3)

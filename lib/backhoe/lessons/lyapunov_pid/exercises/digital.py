@@ -14,6 +14,14 @@ Step = Callable[[NDArray, NDArray, NDArray], NDArray]
 SAMPLES = 90
 
 
+def _not_beyond(integral: NDArray, more: NDArray, others: NDArray, limit: NDArray) -> NDArray:
+    """The integral with what comes to it, but where that drives an output beyond its limit."""
+    wanted = integral + more
+    over = (others + wanted > limit) & (wanted > integral)
+    under = (others + wanted < -limit) & (wanted < integral)
+    return np.where(over | under, integral, wanted)
+
+
 def digital_pid(kp: NDArray, ki: NDArray, kd: NDArray, dt: float, limit: NDArray) -> Step:
     """A PID for n loops: step(reference, rate, measured) gives the outputs of one sample, (n,)."""
     integral, last = np.zeros(len(kp)), None
@@ -23,10 +31,7 @@ def digital_pid(kp: NDArray, ki: NDArray, kd: NDArray, dt: float, limit: NDArray
         error = reference - measured
         speed = rate if last is None else (measured - last) / dt
         others = kp * error + kd * (rate - speed)
-        wanted = integral + ki * error * dt
-        over = (others + wanted > limit) & (wanted > integral)
-        under = (others + wanted < -limit) & (wanted < integral)
-        integral = np.where(over | under, integral, wanted)
+        integral = _not_beyond(integral, ki * error * dt, others, limit)
         last = np.array(measured)
         return np.clip(others + integral, -limit, limit)
 
@@ -46,10 +51,7 @@ def filtered_pid(
             speed = (filter_time * speed + measured - last) / (filter_time + dt)
             braking = kd * (rate - speed)
         others = kp * error + braking
-        wanted = integral + ki * error * dt
-        over = (others + wanted > limit) & (wanted > integral)
-        under = (others + wanted < -limit) & (wanted < integral)
-        integral = np.where(over | under, integral, wanted)
+        integral = _not_beyond(integral, ki * error * dt, others, limit)
         last = np.array(measured)
         return np.clip(others + integral, -limit, limit)
 
